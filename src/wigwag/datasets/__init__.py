@@ -1,0 +1,1 @@
+"""Recorded gestures on disk: UTD-MHAD and the user's own clips."""

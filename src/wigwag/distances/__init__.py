@@ -1,0 +1,1 @@
+"""Sequences are compared: dynamic time warping."""

@@ -1,0 +1,25 @@
+"""What wigwag raises when something is wrong: a message that names it, what was expected, what to do."""
+
+
+class WigwagError(Exception):
+    """Base of every error that wigwag raises on purpose; the command line prints it and exits with 2."""
+
+
+class InputError(WigwagError, ValueError):
+    """A value, file or array that was handed in is not what it must be."""
+
+
+class DataError(InputError):
+    """A recording on disk is missing, corrupt or irregular."""
+
+
+class ModelError(WigwagError):
+    """A model file is missing, damaged or of another version."""
+
+
+class MissingExtraError(WigwagError, ImportError):
+    """An optional part is not installed; the message names the extra that brings it."""
+
+
+class NotFittedError(WigwagError, AttributeError):
+    """A recogniser or transform was used before ``fit``."""

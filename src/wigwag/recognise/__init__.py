@@ -1,0 +1,1 @@
+"""A clip becomes a gesture: the Heavy and Encoded recognisers."""

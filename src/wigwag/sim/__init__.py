@@ -1,0 +1,1 @@
+"""A world without hardware: a moving operator, a renderer, a quadrotor."""

@@ -1,0 +1,1 @@
+"""Poses without end become clips: segmentation by motion, and spotting."""

@@ -1,0 +1,1 @@
+"""The set-point leaves: the ``Vehicle`` protocol and its backends."""

@@ -1,0 +1,1 @@
+"""Seeing it: drawings, the report."""
