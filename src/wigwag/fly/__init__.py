@@ -1,5 +1,5 @@
 """A gesture becomes a set-point: commands, the follow law, the supervisor."""
 
-from wigwag.fly.values import Command, Setpoint, VehicleState
+from wigwag.fly.values import HOVER, Command, Setpoint, VehicleState
 
-__all__ = ["Command", "Setpoint", "VehicleState"]
+__all__ = ["HOVER", "Command", "Setpoint", "VehicleState"]

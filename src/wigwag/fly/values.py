@@ -34,6 +34,10 @@ class Setpoint:
     """Positive turns left (anticlockwise seen from above)."""
 
 
+HOVER = Setpoint()
+"""Stay where you are, as you are turned."""
+
+
 @dataclass(frozen=True, slots=True)
 class VehicleState:
     """What the drone says of itself."""
