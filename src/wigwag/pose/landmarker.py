@@ -1,0 +1,106 @@
+"""BlazePose's landmark network: the 33 landmarks of the person in a region of the picture."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+from jaxtyping import Float, UInt8
+
+from wigwag.pose.body import N_POINTS, Body
+from wigwag.pose.network import PictureNetwork
+from wigwag.pose.region import Region
+
+_N_ALL = 39  # 33 landmarks, two alignment points for the next region, four that nobody uses
+_HEAT_SIDE = 64
+_REACH = 3  # of the 7 x 7 window in which a landmark is refined
+
+
+class Sighting(NamedTuple):
+    """A body, and the region to look at next."""
+
+    body: Body
+    region: Region
+
+
+class Landmarker:
+    """Finds the landmarks of the one person in a region.
+
+    Args:
+        path: ``pose_landmark_lite.tflite``, ``..._full...`` or ``..._heavy...``.
+        threads: Threads of the interpreter.
+        refine: Move each landmark to the centre of mass of its heat map near it, as MediaPipe does.
+    """
+
+    def __init__(self, path: Path, threads: int = 1, refine: bool = True) -> None:
+        self._network = PictureNetwork(path, threads, low=0.0, high=1.0, border=cv2.BORDER_REPLICATE)
+        self._refine = refine
+
+    def __call__(self, rgb: UInt8[np.ndarray, "height width 3"], region: Region) -> Sighting:
+        """Return the landmarks in ``region``, whether or not a person is there: see ``body.score``."""
+        self._network.run(rgb, region)
+        raw = self._network.output(1, _N_ALL * 5)[0].reshape(_N_ALL, 5)
+        points = raw[:, :2] / self._network.pixels
+        if self._refine:
+            heat = self._network.output(1, _HEAT_SIDE, _HEAT_SIDE, _N_ALL)[0]
+            points = refine(points, heat)
+        placed = region.to_picture(points.astype(np.float64))
+        world = self._network.output(1, _N_ALL * 3)[0].reshape(_N_ALL, 3)[:N_POINTS].astype(np.float64)
+        c, s = math.cos(region.angle_rad), math.sin(region.angle_rad)
+        world[:, :2] = world[:, :2] @ np.array([[c, s], [-s, c]])
+        body = Body(
+            points_px=placed[:N_POINTS],
+            visibility=sigmoid(raw[:N_POINTS, 3].astype(np.float64)),
+            world_m=world,
+            score=float(self._network.output(1, 1)[0, 0]),
+        )
+        return Sighting(body, Region.around(placed[N_POINTS], placed[N_POINTS + 1]))
+
+
+def sigmoid(values: Float[np.ndarray, "*shape"]) -> Float[np.ndarray, "*shape"]:
+    """Map the network's raw outputs to shares between 0 and 1."""
+    return np.asarray(1.0 / (1.0 + np.exp(-np.clip(values, -60.0, 60.0))))
+
+
+def refine(
+    points: Float[np.ndarray, "points 2"],
+    heat: Float[np.ndarray, "rows columns points"],
+    min_peak: float = 0.5,
+) -> Float[np.ndarray, "points 2"]:
+    """Move each landmark to the centre of mass of its heat map in a 7 x 7 window around it.
+
+    Args:
+        points: Landmarks as shares of the crop's side.
+        heat: A raw heat map a landmark.
+        min_peak: A window whose greatest heat (0 to 1) lies below leaves its landmark where it is.
+
+    Returns:
+        The refined landmarks, as shares of the crop's side.
+    """
+    rows, columns, _ = heat.shape
+    offsets = np.arange(-_REACH, _REACH + 1)
+    cells = np.floor(points * (columns, rows)).astype(np.intp)
+    inside = ((cells >= 0) & (cells < (columns, rows))).all(axis=1)
+    u = cells[:, 0, None] + offsets
+    v = cells[:, 1, None] + offsets
+    valid = ((v >= 0) & (v < rows))[:, :, None] & ((u >= 0) & (u < columns))[:, None, :]
+    window = heat[
+        np.clip(v, 0, rows - 1)[:, :, None],
+        np.clip(u, 0, columns - 1)[:, None, :],
+        np.arange(len(points))[:, None, None],
+    ]
+    heats = sigmoid(window) * valid
+    peak, total = heats.max(axis=(1, 2)), heats.sum(axis=(1, 2))
+    moved = inside & (peak >= min_peak)
+    total = np.where(moved, total, 1.0)
+    centers = np.stack(
+        [
+            (heats.sum(axis=1) * u).sum(axis=1) / (total * columns),
+            (heats.sum(axis=2) * v).sum(axis=1) / (total * rows),
+        ],
+        axis=1,
+    )
+    return np.where(moved[:, None], centers, points)
