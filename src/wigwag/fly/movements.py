@@ -25,6 +25,8 @@ class MovementConfig:
     orbit_rad: float = 2 * np.pi
     """Angle flown around the operator on orbit; any other command ends it sooner."""
     orbit_m_s: float = 0.6
+    coast_s: float = 0.3
+    """A drone told to stop travels on for about this long; arcs end that much sooner."""
     min_distance_m: float = 2.8
     max_distance_m: float = 5.5
     min_altitude_m: float = 0.8
@@ -104,7 +106,8 @@ class Movement:
                 flown = -wrap(angle - self._angle_rad) * np.sign(self.goal.tangential_m_s)
                 self._arc_left_rad -= flown
             self._angle_rad = angle
-            if self._arc_left_rad <= 0.0:
+            coast_m = abs(self.goal.tangential_m_s) * config.coast_s
+            if self._arc_left_rad * self.goal.distance_m <= coast_m:
                 self.goal = replace(self.goal, tangential_m_s=0.0)
                 self.command = None
             return self.goal

@@ -1,0 +1,146 @@
+"""The follow law against a first-order vehicle and a walking operator."""
+
+import numpy as np
+import pytest
+
+from wigwag.fly.follow import FollowLaw, Goal, wrap
+from wigwag.fly.movements import Movement
+from wigwag.fly.operator import Mount, OperatorTrack, rotation
+from wigwag.fly.values import Command, Setpoint, VehicleState
+from wigwag.skeleton import Pose
+
+DT = 1 / 30
+
+
+def pose_seen(operator: np.ndarray, state: VehicleState, mount: Mount) -> Pose:
+    """What an exact camera on the drone would measure of a point-like operator."""
+    body = rotation(state).T @ (operator - state.position_m) - np.array(mount.offset_m)
+    cos, sin = np.cos(mount.pitch_down_rad), np.sin(mount.pitch_down_rad)
+    forward, down = cos * body[0] - sin * body[2], -sin * body[0] - cos * body[2]
+    return Pose(np.tile([-body[1], down, forward], (13, 1)), np.ones(13), state.stamp_ns)
+
+
+class Drone:
+    """A first-order vehicle: it reaches a commanded velocity with a lag of 0.25 s."""
+
+    def __init__(self) -> None:
+        self.position, self.velocity, self.heading, self.yaw_rate = (
+            np.array([0, 0, 1.4]),
+            np.zeros(3),
+            0.0,
+            0.0,
+        )
+
+    def state(self, now_ns: int) -> VehicleState:
+        return VehicleState(self.position.copy(), self.velocity.copy(), self.heading, now_ns)
+
+    def fly(self, setpoint: Setpoint) -> None:
+        forward, left, up = setpoint.velocity_m_s
+        cos, sin = np.cos(self.heading), np.sin(self.heading)
+        wanted = np.array([cos * forward - sin * left, sin * forward + cos * left, up])
+        self.velocity += (wanted - self.velocity) * DT / 0.25
+        self.yaw_rate += (setpoint.yaw_rate_rad_s - self.yaw_rate) * DT / 0.15
+        self.position = self.position + self.velocity * DT
+        self.heading = wrap(self.heading + self.yaw_rate * DT)
+
+
+def fly(seconds: float, operator_at, movement: Movement | None = None):  # type: ignore[no-untyped-def]
+    drone, track, law, mount = Drone(), OperatorTrack(), FollowLaw(), Mount()
+    errors = []
+    for step in range(int(seconds / DT)):
+        now = int(step * DT * 1e9)
+        operator = operator_at(step * DT)
+        state = drone.state(now)
+        track.observe_vehicle(state)
+        track.observe(pose_seen(operator, state, mount))
+        goal = Goal() if movement is None else movement.update(DT, state.position_m, track.position_m(now))
+        sight = (operator - drone.position)[:2]
+        bearing = wrap(float(np.arctan2(sight[1], sight[0])) - drone.heading)
+        errors.append((abs(np.degrees(bearing)), abs(np.linalg.norm(sight) - goal.distance_m)))
+        drone.fly(law.setpoint(track, state, goal, now))
+    return drone, np.array(errors)
+
+
+def test_keeps_a_walking_operator_centred_and_at_distance() -> None:
+    def walk(t: float) -> np.ndarray:
+        return np.array([4.0 + 1.5 * np.sin(0.5 * t), 1.5 * (1 - np.cos(0.5 * t)), 0.95])  # 0.75 m/s
+
+    _, errors = fly(30, walk)
+    assert errors[60:, 0].mean() < 1.0
+    assert errors[60:, 0].max() < 4.0
+    assert errors[60:, 1].mean() < 0.15
+
+
+@pytest.mark.parametrize(("command", "side"), [(Command.LEFT, -1), (Command.RIGHT, 1)])
+def test_sideways_is_the_operators_own_side_and_ends(command: Command, side: int) -> None:
+    movement = Movement()
+    movement.start(command)
+    drone, errors = fly(8, lambda t: np.array([4.0, 0.0, 0.95]), movement)
+    angle = np.arctan2(drone.position[1], 4.0 - drone.position[0])
+    # The operator looks along -x; their left is -y, which is where the drone goes on LEFT.
+    assert side * angle * 4.0 == pytest.approx(1.0, abs=0.15)
+    assert movement.command is None
+    assert errors[-1, 1] < 0.1
+
+
+@pytest.mark.parametrize(
+    ("command", "distance", "altitude"),
+    [
+        (Command.UP, 4.0, 1.8), (Command.DOWN, 4.0, 1.0),
+        (Command.CLOSER, 3.4, 1.4), (Command.FARTHER, 4.6, 1.4),
+    ],
+)  # fmt: skip
+def test_movements_end_where_they_should(command: Command, distance: float, altitude: float) -> None:
+    movement = Movement()
+    movement.start(command)
+    drone, _ = fly(8, lambda t: np.array([4.0, 0.0, 0.95]), movement)
+    assert np.linalg.norm(drone.position[:2] - [4.0, 0.0]) == pytest.approx(distance, abs=0.05)
+    assert drone.position[2] == pytest.approx(altitude, abs=0.03)
+    assert movement.command is None
+
+
+def test_orbit_goes_all_the_way_round() -> None:
+    movement = Movement()
+    movement.start(Command.ORBIT)
+    drone, errors = fly(48, lambda t: np.array([4.0, 0.0, 0.95]), movement)
+    assert movement.command is None
+    assert np.linalg.norm(drone.position[:2]) < 0.8
+    assert errors[60:, 0].max() < 5
+    assert errors[60:, 1].max() < 0.4
+
+
+def test_goals_stay_within_bounds_however_often_asked() -> None:
+    movement = Movement()
+    for command in [Command.CLOSER] * 9 + [Command.DOWN] * 9:
+        movement.start(command)
+        for _ in range(200):
+            goal = movement.update(DT, np.zeros(3), np.array([4.0, 0, 0]))
+    assert (goal.distance_m, goal.altitude_m) == (2.8, 0.8)
+
+
+def test_a_late_frame_meets_the_state_of_its_time() -> None:
+    track, mount = OperatorTrack(), Mount(pitch_down_rad=0.2)
+    operator = np.array([4.0, 1.0, 1.0])
+    states = [
+        VehicleState(np.array([0.1 * i, 0, 1.4]), np.zeros(3), 0.1 * i, i * 33_000_000, 0.05 * i, -0.04 * i)
+        for i in range(4)
+    ]
+    for state in states:
+        track.observe_vehicle(state)
+    track.observe(pose_seen(operator, states[2], mount))
+    exact = OperatorTrack(mount=mount)
+    for state in states:
+        exact.observe_vehicle(state)
+    exact.observe(pose_seen(operator, states[2], mount))
+    assert exact.position_m(states[2].stamp_ns) == pytest.approx(operator)
+
+
+def test_poses_out_of_order_are_ignored() -> None:
+    track, mount = OperatorTrack(), Mount()
+    state = VehicleState(np.zeros(3), np.zeros(3), 0.0, 10**9)
+    track.observe_vehicle(state)
+    track.observe(pose_seen(np.array([4.0, 0, 0]), state, mount))
+    before = track.position_m(10**9)
+    old = Pose(np.full((13, 3), 9.0), np.ones(13), 5 * 10**8)
+    track.observe(old)
+    assert track.position_m(10**9) == pytest.approx(before)
