@@ -1,0 +1,59 @@
+"""A flight as a film: H.264 in MP4, which every browser plays."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+from types import TracebackType
+
+import av
+import numpy as np
+from jaxtyping import UInt8
+
+
+class Film:
+    """Writes pictures to an MP4 file as they come; what was written before a crash can be played.
+
+    Args:
+        path: The file.
+        rate_hz: Pictures a second.
+        crf: x264's constant rate factor: larger is smaller and coarser.
+
+    Example:
+        ``with Film(Path("flight.mp4")) as film: film.add(picture)``
+    """
+
+    def __init__(self, path: Path, rate_hz: int = 15, crf: int = 27) -> None:
+        self.path, self.rate_hz, self.crf = path, rate_hz, crf
+        self._container = av.open(str(path), "w", options={"movflags": "frag_keyframe+empty_moov"})
+        self._stream: av.VideoStream | None = None
+
+    def add(self, rgb: UInt8[np.ndarray, "height width 3"]) -> None:
+        """Append a picture; all must have the size of the first, which must be even."""
+        if self._stream is None:
+            self._stream = self._container.add_stream("libx264", rate=self.rate_hz)
+            self._stream.height, self._stream.width = rgb.shape[:2]
+            self._stream.pix_fmt = "yuv420p"
+            self._stream.time_base = Fraction(1, self.rate_hz)
+            self._stream.options = {"crf": str(self.crf), "preset": "veryfast", "threads": "1"}
+        picture = av.VideoFrame.from_ndarray(np.ascontiguousarray(rgb), format="rgb24")
+        for packet in self._stream.encode(picture):
+            self._container.mux(packet)
+
+    def close(self) -> None:
+        """Write what is left and close the file."""
+        if self._stream is not None:
+            for packet in self._stream.encode():
+                self._container.mux(packet)
+        self._container.close()
+
+    def __enter__(self) -> Film:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()

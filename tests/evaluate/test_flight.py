@@ -1,0 +1,52 @@
+"""Judging a flight: every event is accounted for exactly once."""
+
+from wigwag.evaluate.flight import FlightLog, Outcome, Row, Showing, judge, summarise
+from wigwag.gesture import Gesture
+
+SHOWN = [
+    Showing("left", 10, 12, True),
+    Showing("clap", 15, 16, False),
+    Showing("up", 20, 22, True),
+    Showing("down", 23, 25, True),
+]
+
+
+def event(label: str, decided_s: float, end_s: float | None = None) -> Gesture:
+    end = decided_s - 0.3 if end_s is None else end_s
+    return Gesture(label, 0.9, 0, int(end * 1e9), int(decided_s * 1e9))
+
+
+def outcomes(*events: Gesture) -> list[Outcome]:
+    return [outcome for _, outcome, _ in judge(SHOWN, events).showings]
+
+
+def test_right_wrong_missed() -> None:
+    assert outcomes(event("left", 12.4), event("down", 22.5)) == [
+        Outcome.RECOGNISED, Outcome.LEFT_ALONE, Outcome.WRONG, Outcome.MISSED,
+    ]  # fmt: skip
+
+
+def test_an_event_that_comes_after_the_next_start_belongs_to_the_movement_it_saw() -> None:
+    assert outcomes(event("up", 23.2, end_s=22.0), event("down", 25.3))[2:] == [
+        Outcome.RECOGNISED, Outcome.RECOGNISED,
+    ]  # fmt: skip
+
+
+def test_false_commands_on_nothing_on_others_and_repeats() -> None:
+    judged = judge(SHOWN, [event("up", 5), event("up", 16.2), event("left", 12.2), event("left", 12.9)])
+    assert sorted(outcome.value for _, outcome in judged.false_events) == [
+        "false on another gesture", "false on nothing", "false on nothing",
+    ]  # fmt: skip
+
+
+def test_summary_counts_and_ignores_errors_while_not_following() -> None:
+    def row(time_s: float, flying: bool, bearing: float) -> Row:
+        return Row(time_s, True, flying, bearing, 0.1, (0, 0, 1), (4, 0, 1), 10.0, 20.0, "following")
+
+    log = FlightLog([row(0, False, 90.0), row(1, True, -2.0)], [event("left", 12.4)], list(SHOWN))
+    summary = summarise(log)
+    assert summary["gestures"]["shown"] == 3
+    assert summary["gestures"]["recognised"] == 1
+    assert summary["gestures"]["missed"] == 2
+    assert summary["follow"]["bearing_error_deg"] == {"mean": 2.0, "max": 2.0}
+    assert summary["loop"]["hz"] == 50.0
