@@ -1,0 +1,207 @@
+"""Compiled kernels: which shape each pixel sees, and how far away it is.
+
+A ray through pixel (u, v) is ``t * (x, y, 1)`` in the camera optical frame, so ``t`` is the depth along
+the optical axis, which is what an RGB-D camera measures.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from jaxtyping import Float32, Float64, Int16, Int64
+from numba import njit
+
+FAR = np.float32(1e9)
+"""Depth of a pixel that sees no shape."""
+NEAR_M = 0.15
+"""Nothing closer than this is drawn."""
+LOCAL = 20
+"""Columns of the per-shape table: map 9, end 3, axis 3, length, two radii, sine, cosine squared."""
+
+
+@njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
+def place(
+    a: Float64[np.ndarray, "shapes 3"],
+    b: Float64[np.ndarray, "shapes 3"],
+    radii: Float64[np.ndarray, "shapes 2"],
+    maps: Float64[np.ndarray, "shapes 3 3"],
+    position: Float64[np.ndarray, 3],
+    rotation: Float64[np.ndarray, "3 3"],
+    camera: Float64[np.ndarray, 6],
+    local: Float64[np.ndarray, "shapes 20"],
+    boxes: Int64[np.ndarray, "shapes 4"],
+) -> None:
+    """Bring shapes into the camera's view: fill ``local`` and the screen ``boxes`` (u0, v0, u1, v1).
+
+    A shape that the camera cannot see gets an empty box. ``camera`` is fx, fy, cx, cy, width, height.
+    """
+    fx, fy, cx, cy, width, height = camera
+    for i in range(a.shape[0]):
+        row = local[i]
+        for r in range(3):
+            for c in range(3):
+                row[3 * r + c] = (
+                    maps[i, r, 0] * rotation[c, 0]
+                    + maps[i, r, 1] * rotation[c, 1]
+                    + maps[i, r, 2] * rotation[c, 2]
+                )
+        length = 0.0
+        for r in range(3):
+            at = 0.0
+            to = 0.0
+            for c in range(3):
+                at += maps[i, r, c] * (a[i, c] - position[c])
+                to += maps[i, r, c] * (b[i, c] - a[i, c])
+            row[9 + r] = at
+            row[12 + r] = to
+            length += to * to
+        length = math.sqrt(length)
+        ra, rb = radii[i, 0], radii[i, 1]
+        sine = 0.0
+        if length > abs(ra - rb) + 1e-9:
+            sine = (ra - rb) / length
+            for r in range(3):
+                row[12 + r] /= length
+        else:  # one sphere holds the other: only that one is seen
+            if rb > ra:
+                for r in range(3):
+                    row[9 + r] += row[12 + r]
+                ra = rb
+            length = 0.0
+            row[12], row[13], row[14] = 0.0, 0.0, 1.0
+        row[15], row[16], row[17], row[18], row[19] = length, ra, rb, sine, 1 - sine * sine
+
+        u0, v0, u1, v1 = 1e9, 1e9, -1e9, -1e9
+        hidden = True
+        for end in range(2):
+            px = (b[i, 0] if end else a[i, 0]) - position[0]
+            py = (b[i, 1] if end else a[i, 1]) - position[1]
+            pz = (b[i, 2] if end else a[i, 2]) - position[2]
+            x = rotation[0, 0] * px + rotation[0, 1] * py + rotation[0, 2] * pz
+            y = rotation[1, 0] * px + rotation[1, 1] * py + rotation[1, 2] * pz
+            z = rotation[2, 0] * px + rotation[2, 1] * py + rotation[2, 2] * pz
+            r_end = radii[i, end]
+            if z + r_end > NEAR_M:
+                hidden = False
+            front = z - r_end
+            if front < NEAR_M:  # reaches beside or behind the lens: look everywhere
+                u0, v0, u1, v1 = 0.0, 0.0, width, height
+                continue
+            back = z + r_end
+            left, right = x - r_end, x + r_end
+            upper, lower = y - r_end, y + r_end
+            u0 = min(u0, cx + fx * left / (front if left < 0 else back))
+            u1 = max(u1, cx + fx * right / (front if right > 0 else back))
+            v0 = min(v0, cy + fy * upper / (front if upper < 0 else back))
+            v1 = max(v1, cy + fy * lower / (front if lower > 0 else back))
+        if hidden or u1 < 0 or v1 < 0 or u0 >= width or v0 >= height:
+            boxes[i, 0], boxes[i, 1], boxes[i, 2], boxes[i, 3] = 0, 0, 0, 0
+        else:
+            boxes[i, 0] = int(max(0.0, math.floor(u0)))
+            boxes[i, 1] = int(max(0.0, math.floor(v0)))
+            boxes[i, 2] = int(min(width, math.ceil(u1) + 1))
+            boxes[i, 3] = int(min(height, math.ceil(v1) + 1))
+
+
+@njit(cache=True, fastmath=True, inline="always")  # type: ignore[untyped-decorator]
+def hit_capsule(
+    dx: float, dy: float, dz: float, ax: float, ay: float, az: float,
+    nx: float, ny: float, nz: float, length: float, ra: float, rb: float, sine: float, cos2: float,
+) -> float:  # fmt: skip
+    """Distance ``t`` at which the ray ``t * d`` enters a tapered capsule, or ``FAR``.
+
+    The capsule is the hull of two spheres: a piece of a cone that touches both, and the spheres' outer
+    caps. ``ax..`` is the first centre, ``nx..`` the unit axis, both in the ray's own frame.
+    """
+    dd = dx * dx + dy * dy + dz * dz
+    da = dx * ax + dy * ay + dz * az
+    aa = ax * ax + ay * ay + az * az
+    best = 1e9
+    if length > 0.0:
+        dn = dx * nx + dy * ny + dz * nz
+        an = ax * nx + ay * ny + az * nz
+        k = ra + sine * an
+        qa = cos2 * (dd - dn * dn) - sine * sine * dn * dn
+        qb = cos2 * (dn * an - da) + k * sine * dn
+        qc = cos2 * (aa - an * an) - k * k
+        disc = qb * qb - qa * qc
+        if qa > 1e-12 and disc < 0.0:
+            # Both spheres lie inside the endless cone: who misses it misses them.
+            return 1e9
+        if qa > 1e-12:
+            t = (-qb - math.sqrt(disc)) / qa
+            y = t * dn - an
+            foot = (y - sine * ra) / cos2
+            if 0.0 <= foot <= length and t > NEAR_M:
+                return t
+        bx, by, bz = ax + length * nx, ay + length * ny, az + length * nz
+        db = dx * bx + dy * by + dz * bz
+        disc = db * db - dd * (bx * bx + by * by + bz * bz - rb * rb)
+        if disc > 0.0:
+            t = (db - math.sqrt(disc)) / dd
+            if t > NEAR_M:
+                best = t
+    disc = da * da - dd * (aa - ra * ra)
+    if disc > 0.0:
+        t = (da - math.sqrt(disc)) / dd
+        if t > NEAR_M and t < best:
+            best = t
+    return best
+
+
+@njit(cache=True, fastmath=True, inline="always")  # type: ignore[untyped-decorator]
+def hit_box(dx: float, dy: float, dz: float, ax: float, ay: float, az: float) -> float:
+    """Distance ``t`` at which the ray ``t * d`` enters the cube of half-width 1 around ``a``, or ``FAR``."""
+    enter, leave = -1e9, 1e9
+    for axis in range(3):
+        d = dx if axis == 0 else (dy if axis == 1 else dz)
+        c = ax if axis == 0 else (ay if axis == 1 else az)
+        if abs(d) < 1e-12:
+            d = 1e-12
+        t0, t1 = (c - 1.0) / d, (c + 1.0) / d
+        if t0 > t1:
+            t0, t1 = t1, t0
+        enter = max(enter, t0)
+        leave = min(leave, t1)
+    return enter if NEAR_M < enter < leave else 1e9
+
+
+@njit(cache=True, fastmath=True, inline="always")  # type: ignore[untyped-decorator]
+def hit(row: Float64[np.ndarray, 20], is_box: bool, x: float, y: float) -> float:
+    """Depth at which the pixel's ray (x, y, 1) enters one placed shape, or ``FAR``."""
+    dx = row[0] * x + row[1] * y + row[2]
+    dy = row[3] * x + row[4] * y + row[5]
+    dz = row[6] * x + row[7] * y + row[8]
+    if is_box:
+        return hit_box(dx, dy, dz, row[9], row[10], row[11])
+    return hit_capsule(
+        dx, dy, dz, row[9], row[10], row[11], row[12], row[13], row[14],
+        row[15], row[16], row[17], row[18], row[19],
+    )  # fmt: skip
+
+
+@njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
+def cast(
+    local: Float64[np.ndarray, "shapes 20"],
+    boxes: Int64[np.ndarray, "shapes 4"],
+    is_box: np.ndarray,
+    camera: Float64[np.ndarray, 6],
+    nearest: Float32[np.ndarray, "height width"],
+    seen: Int16[np.ndarray, "height width"],
+) -> None:
+    """Fill ``nearest`` with depth in metres and ``seen`` with the shape's index; -1 and ``FAR``: none."""
+    fx, fy, cx, cy = camera[0], camera[1], camera[2], camera[3]
+    nearest[:] = FAR
+    seen[:] = -1
+    for i in range(local.shape[0]):
+        u0, v0, u1, v1 = boxes[i]
+        row = local[i]
+        box = is_box[i]
+        for v in range(v0, v1):
+            y = (v - cy) / fy
+            for u in range(u0, u1):
+                t = hit(row, box, (u - cx) / fx, y)
+                if t < nearest[v, u]:
+                    nearest[v, u] = t
+                    seen[v, u] = i

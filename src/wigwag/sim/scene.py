@@ -1,0 +1,178 @@
+"""Where the operator stands: ground, sky, far trees, and a few things that stand about."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float, Float32, Int64, UInt32
+
+from wigwag.sim.shapes import Shapes, Surface, linear_rgb
+
+_SIDE = 1024
+_TEXEL_M = 0.01
+
+
+class Mipmap(NamedTuple):
+    """A square texture and its halves, packed as 0x00BBGGRR, one after the other."""
+
+    texels: UInt32[np.ndarray, " texels"]
+    starts: Int64[np.ndarray, " levels"]
+    texel_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class SceneConfig:
+    """What surrounds the operator."""
+
+    ground: str = "meadow"
+    """``"meadow"`` or ``"gravel"``."""
+    clutter: int = 10
+    """How many trees, poles and boxes stand 8 to 20 m around."""
+    sun_elevation_deg: float = 42.0
+    sun_azimuth_deg: float | None = None
+    """Anticlockwise from east; drawn from the seed if ``None``."""
+
+
+class Scene:
+    """The surroundings, made once from a seed.
+
+    Args:
+        config: What to build.
+        seed: The same seed gives the same scene.
+        clear: Points on the ground (metres, world frame) that clutter keeps 7 m away from.
+    """
+
+    def __init__(
+        self,
+        config: SceneConfig | None = None,
+        seed: int = 0,
+        clear: Float[np.ndarray, "points 2"] | None = None,
+    ) -> None:
+        config = config or SceneConfig()
+        rng = np.random.default_rng([seed, 0x5CE])
+        self.ground = _ground(rng, config.ground)
+        azimuth = config.sun_azimuth_deg
+        azimuth = float(rng.uniform(0, 360)) if azimuth is None else azimuth
+        e, a = np.radians(config.sun_elevation_deg), np.radians(azimuth)
+        self.sun = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+        """Unit vector to the sun, world frame."""
+        self.strengths = (0.85, 0.42, 0.16)
+        """Light from the sun, from the sky, and thrown back by the ground."""
+        self.sky = _sky()
+        self.clouds = _clouds(rng)
+        self.skyline = _skyline(rng)
+        near = np.zeros((1, 2)) if clear is None else np.asarray(clear, float)
+        self.shapes = _clutter(rng, config.clutter, near)
+        distance = np.arange(256) / 2
+        self.fog: Float32[np.ndarray, " 256"] = np.asarray(1 - np.exp(-distance / 70), dtype=np.float32)
+        # The level whose texel is about as large as a pixel's patch of ground, which is long and narrow:
+        # between its length (t^2 / h f) and its width (t / f), for a camera 1.5 m up.
+        patch = np.sqrt((distance**2 / (1.5 * 615)) * (distance / 615) + 1e-12)
+        self.levels = np.clip(np.round(np.log2(patch / _TEXEL_M + 1e-9)), 0, 9).astype(np.int64)
+
+
+def _noise(rng: np.random.Generator, side: int, slope: float) -> Float[np.ndarray, "side side"]:
+    """Seamless noise with zero mean and unit deviation, whose spectrum falls as frequency ** -slope."""
+    f = np.hypot(np.fft.fftfreq(side)[:, None], np.fft.rfftfreq(side)[None, :]) * side
+    f[0, 0] = np.inf
+    spectrum = np.fft.rfft2(rng.standard_normal((side, side))) * np.maximum(f, 3.0) ** -slope
+    field = np.fft.irfft2(spectrum, s=(side, side))
+    return np.asarray((field - field.mean()) / field.std())
+
+
+def _ground(rng: np.random.Generator, kind: str) -> Mipmap:
+    patches, grain = _noise(rng, _SIDE, 1.6)[..., None], _noise(rng, _SIDE, 0.35)[..., None]
+    if kind == "gravel":
+        base, wide, fine = np.array([134.0, 128, 118]), np.array([9.0, 9, 9]), np.array([20.0, 19, 18])
+    else:
+        base, wide, fine = np.array([104.0, 122, 68]), np.array([13.0, 8, 7]), np.array([15.0, 17, 11])
+    image = np.clip(base + wide * patches + fine * grain, 0, 255).astype(np.float32)
+    levels, starts, at = [], [], 0
+    while len(image) >= 1:
+        c = np.round(image).astype(np.uint32)
+        levels.append((c[..., 0] | (c[..., 1] << 8) | (c[..., 2] << 16)).ravel())
+        starts.append(at)
+        at += levels[-1].size
+        if len(image) == 1:
+            break
+        image = (image[::2, ::2] + image[1::2, ::2] + image[::2, 1::2] + image[1::2, 1::2]) / 4
+    # One more entry tells the kernel the size of the largest level.
+    return Mipmap(np.concatenate(levels).astype(np.uint32), np.array([*starts, at]), _TEXEL_M)
+
+
+def _sky() -> Float32[np.ndarray, "64 3"]:
+    """Display colours from the horizon up."""
+    k = np.linspace(0, 1, 64)[:, None] ** 0.7
+    horizon, zenith = np.array([206.0, 220, 230]), np.array([92.0, 145, 205])
+    return np.asarray(horizon + k * (zenith - horizon), dtype=np.float32)
+
+
+def _clouds(rng: np.random.Generator) -> Float32[np.ndarray, "256 256"]:
+    return np.asarray(np.clip(0.5 * _noise(rng, 256, 1.7), 0, 0.85), dtype=np.float32)
+
+
+def _skyline(rng: np.random.Generator) -> Float[np.ndarray, " 720"]:
+    """Slope of the far trees' tops, by azimuth."""
+    f = np.fft.rfftfreq(720) * 720
+    f[0] = np.inf
+    rough = np.fft.irfft(np.fft.rfft(rng.standard_normal(720)) * np.maximum(f, 6) ** -0.8, n=720)
+    return np.asarray(np.clip(0.035 + 0.012 * rough / rough.std(), 0.008, None))
+
+
+def _clutter(rng: np.random.Generator, count: int, clear: Float[np.ndarray, "points 2"]) -> Shapes:
+    groups: list[Shapes] = []
+    placed: list[Float[np.ndarray, 2]] = []
+    for k in range(count):
+        for _ in range(50):
+            r, a = rng.uniform(8, 20), rng.uniform(-np.pi, np.pi)
+            spot = clear.mean(axis=0) + r * np.array([np.cos(a), np.sin(a)])
+            apart = all(np.linalg.norm(spot - other) > 3.0 for other in placed)
+            if apart and np.linalg.norm(clear - spot, axis=1).min() > 7.0:
+                break
+        else:
+            continue
+        placed.append(spot)
+        groups.append((_tree, _crate, _tree, _pole)[k % 4](rng, spot))
+    if not groups:
+        empty = np.zeros((0, 3))
+        return Shapes.capsules(empty, empty, np.zeros((0, 2)), np.zeros((0, 2, 3)))
+    return Shapes.joined(groups)
+
+
+def _tree(rng: np.random.Generator, spot: Float[np.ndarray, 2]) -> Shapes:
+    height = rng.uniform(3.5, 6.0)
+    foot, top = np.array([*spot, -0.2]), np.array([*(spot + rng.normal(0, 0.1, 2)), 0.65 * height])
+    bark = np.array([linear_rgb("#5b4636")] * 2)
+    trunk = Shapes.capsules(foot[None], top[None], np.array([[0.17, 0.1]]), bark[None])
+    n = 5
+    centres = top + rng.normal(0, [0.55, 0.55, 0.45], (n, 3)) * height / 5
+    size = rng.uniform(0.55, 0.95, n) * height / 5
+    dark, light = rng.choice(["#35502a", "#2d4a30", "#465a2c"]), rng.choice(["#6f8f3f", "#5f8a4a", "#8a9a48"])
+    colours = np.broadcast_to(np.array([linear_rgb(dark), linear_rgb(light)]), (n, 2, 3))
+    crown = Shapes.capsules(centres, centres, np.stack([size, size], axis=1), colours, Surface.LEAVES)
+    return Shapes.joined([trunk, crown])
+
+
+def _pole(rng: np.random.Generator, spot: Float[np.ndarray, 2]) -> Shapes:
+    height = rng.uniform(3.0, 5.0)
+    foot, top = np.array([*spot, 0.0]), np.array([*spot, height])
+    grey = np.array([linear_rgb("#8b8f92")] * 2)
+    arm = top + np.array([*(0.9 * _direction(rng)), 0.1])
+    return Shapes.capsules(
+        np.stack([foot, top]), np.stack([top, arm]), np.array([[0.06, 0.045], [0.04, 0.03]]),
+        np.stack([grey, grey]),
+    )  # fmt: skip
+
+
+def _crate(rng: np.random.Generator, spot: Float[np.ndarray, 2]) -> Shapes:
+    half = np.array([rng.uniform(0.5, 1.1), rng.uniform(0.4, 0.7), rng.uniform(0.35, 0.6)])
+    wood = rng.choice(["#a98157", "#8f8a80", "#4c6a86"])
+    colours = np.array([linear_rgb(wood), [0.5 * c for c in linear_rgb(wood)]])
+    return Shapes.box(np.array([*spot, half[2]]), half, rng.uniform(0, np.pi), colours)
+
+
+def _direction(rng: np.random.Generator) -> Float[np.ndarray, 2]:
+    a = rng.uniform(-np.pi, np.pi)
+    return np.array([np.cos(a), np.sin(a)])
