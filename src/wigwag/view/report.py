@@ -1,0 +1,88 @@
+"""The report of a flight: one HTML file that holds everything it shows."""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from jaxtyping import UInt8
+from jinja2 import Environment
+
+from wigwag.evaluate.flight import FlightLog, judge
+from wigwag.view import plots
+
+
+@dataclass(frozen=True, slots=True)
+class Still:
+    """A picture of the moment a gesture was decided."""
+
+    caption: str
+    jpeg: bytes
+
+
+def jpeg(rgb: UInt8[np.ndarray, "height width 3"], width: int = 420) -> bytes:
+    """Shrink a picture to ``width`` pixels and encode it."""
+    height = round(rgb.shape[0] * width / rgb.shape[1])
+    small = cv2.resize(rgb, (width, height), interpolation=cv2.INTER_AREA)
+    _, data = cv2.imencode(".jpg", small[:, :, ::-1], [cv2.IMWRITE_JPEG_QUALITY, 80])
+    return bytes(data.tobytes())
+
+
+def write_report(
+    out: Path,
+    summary: dict[str, Any],
+    log: FlightLog,
+    stills: list[Still],
+    film: Path | None = None,
+) -> None:
+    """Write the report of a flight.
+
+    Args:
+        out: The HTML file.
+        summary: The figures of ``summary.json``.
+        log: The flight.
+        stills: What the camera saw when gestures were decided.
+        film: The MP4 to embed.
+    """
+    judgement = judge(log.showings, log.events)
+    rows = [
+        {
+            "time": f"{showing.start_s:.1f}",
+            "label": showing.label.replace("_", " "),
+            "kind": "command" if showing.is_command else "other",
+            "outcome": outcome.value,
+            "heard": "" if event is None or event.label is None else event.label.replace("_", " "),
+            "confidence": "" if event is None else f"{event.confidence:.2f}",
+            "delay": "" if event is None else f"{event.decided_ns * 1e-9 - showing.end_s:+.2f}",
+            "reason": "" if event is None else event.reason,
+        }
+        for showing, outcome, event in judgement.showings
+    ]
+    false = [
+        {
+            "time": f"{event.decided_ns * 1e-9:.1f}",
+            "label": str(event.label).replace("_", " "),
+            "outcome": outcome.value,
+            "reason": event.reason,
+        }
+        for event, outcome in judgement.false_events
+    ]
+    environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    template = environment.from_string(files("wigwag.view").joinpath("report.html").read_text("utf-8"))
+    page = template.render(
+        s=summary,
+        rows=rows,
+        false=false,
+        stills=[{"caption": s.caption, "data": base64.b64encode(s.jpeg).decode()} for s in stills],
+        film=None if film is None else base64.b64encode(film.read_bytes()).decode(),
+        timeline=plots.timeline(log),
+        path=plots.path(log),
+        errors=plots.errors(log),
+        timing=plots.timing(log),
+    )
+    out.write_text(page, encoding="utf-8")
