@@ -1,0 +1,428 @@
+"""What an operator shows: ten commands after marshalling signals, and movements that are no command.
+
+A gesture is written as key poses in degrees and centimetres for an average person; ``perform`` makes one
+person's one repetition of it: own speed, size, elbows, lag between the arms, and chance. Between key poses
+each channel moves by minimum jerk (Flash and Hogan 1985), as human arms do.
+
+The commands keep to the body's frontal plane, where a camera sees them best, and off the trunk, whose
+depth the drone follows; ``farther`` alone goes to the front. All show both arms or a side that names the
+command, last about two seconds, and begin and end with hanging arms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from wigwag.errors import InputError
+from wigwag.fly.values import Command
+from wigwag.sim.kinematics import CHANNEL, CHANNELS, METRES, rest
+from wigwag.sim.person import Person, Side
+
+TABLE_HZ = 120.0
+"""Rate at which a performance is tabulated; between rows it is interpolated."""
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """One key pose: which channels arrive where. A channel that is not named passes through."""
+
+    after_s: float
+    """Seconds since the key before, for a person of tempo 1."""
+    to: dict[str, float]
+    """Values in degrees (angles) or centimetres (pelvis and feet) by channel; empty: back to rest."""
+
+
+Score = Callable[[Side], Sequence[Key]]
+"""A gesture as key poses, given the hand that the person prefers."""
+
+
+def _both(**values: float) -> dict[str, float]:
+    """Set a channel of both arms or feet."""
+    return {f"{side}_{name}": value for side in ("left", "right") for name, value in values.items()}
+
+
+def _one(side: Side, **values: float) -> dict[str, float]:
+    return {f"{side}_{name}": value for name, value in values.items()}
+
+
+def _other(side: Side) -> Side:
+    return "left" if side == "right" else "right"
+
+
+REST: dict[str, float] = {}
+
+
+def _take_off(_: Side) -> list[Key]:
+    """Hands to the shoulders, then both are thrust overhead twice."""
+    cocked = _both(**{"raise": 38, "forward": 5, "bend": 140, "roll": -62})
+    thrust = _both(**{"raise": 164, "forward": 5, "bend": 12, "roll": -60})
+    return [
+        Key(0.45, cocked), Key(0.34, {**thrust, "pelvis_down": -1.0}), Key(0.32, cocked),
+        Key(0.34, {**thrust, "pelvis_down": -1.0}), Key(0.62, REST),
+    ]  # fmt: skip
+
+
+def _land(_: Side) -> list[Key]:
+    """Arms level to the sides, then they sink while the knees bend, and the person rises again."""
+    level = _both(**{"raise": 88, "forward": 5, "bend": 8, "roll": 0})
+    sunk = _both(**{"raise": 42, "forward": 10, "bend": 12, "roll": 0})
+    squat = {"pelvis_down": 24.0, "pelvis_forward": -9.0, "lean_forward": 20.0}
+    return [Key(0.5, level), Key(0.6, {**sunk, **squat}), Key(0.62, REST)]
+
+
+def _stop(_: Side) -> list[Key]:
+    """Arms overhead, wrists crossed and opened twice (ICAO: stop)."""
+    opened = _both(**{"raise": 138, "bend": 14, "roll": -80}) | {"left_forward": 0, "right_forward": 14}
+    crossed = _both(**{"raise": 158, "bend": 58, "roll": -80}) | {"left_forward": 0, "right_forward": 14}
+    return [
+        Key(0.48, opened), Key(0.27, crossed), Key(0.27, opened), Key(0.27, crossed), Key(0.25, opened),
+        Key(0.5, REST),
+    ]  # fmt: skip
+
+
+def _push(side: Side) -> list[Key]:
+    """One hand pushes twice from the shoulder out to the side, the trunk leaning along."""
+    sign = 1 if side == "left" else -1
+    cocked = _one(side, **{"raise": 72, "forward": 12, "bend": 138, "roll": -58})
+    pushed = _one(side, **{"raise": 90, "forward": 4, "bend": 6, "roll": -50})
+    lean = {"lean_left": 9.0 * sign, "pelvis_left": 4.0 * sign}
+    back = {"lean_left": 1.0 * sign, "pelvis_left": 1.0 * sign}
+    return [
+        Key(0.42, cocked), Key(0.33, {**pushed, **lean}), Key(0.32, {**cocked, **back}),
+        Key(0.33, {**pushed, **lean}), Key(0.52, REST),
+    ]  # fmt: skip
+
+
+def _left(_: Side) -> list[Key]:
+    """Push to the operator's left with the left hand."""
+    return _push("left")
+
+
+def _right(_: Side) -> list[Key]:
+    """Push to the operator's right with the right hand."""
+    return _push("right")
+
+
+def _up(_: Side) -> list[Key]:
+    """Straight arms beat twice from level to high (ICAO: move upwards)."""
+    low = _both(**{"raise": 78, "forward": 4, "bend": 6, "roll": 0})
+    high = _both(**{"raise": 142, "forward": 4, "bend": 6, "roll": 0})
+    return [Key(0.45, low), Key(0.34, high), Key(0.34, low), Key(0.34, high), Key(0.58, REST)]
+
+
+def _down(_: Side) -> list[Key]:
+    """Straight arms beat twice from level down (ICAO: move downwards)."""
+    high = _both(**{"raise": 100, "forward": 4, "bend": 6, "roll": 0})
+    low = _both(**{"raise": 38, "forward": 4, "bend": 6, "roll": 0})
+    return [Key(0.5, high), Key(0.34, low), Key(0.34, high), Key(0.34, low), Key(0.36, REST)]
+
+
+def _closer(_: Side) -> list[Key]:
+    """Level arms, forearms drawn up to the head twice, palms to oneself: come."""
+    spread = _both(**{"raise": 86, "forward": 6, "bend": 10, "roll": -85})
+    curled = _both(**{"raise": 92, "forward": 6, "bend": 128, "roll": -85})
+    return [Key(0.46, spread), Key(0.35, curled), Key(0.35, spread), Key(0.35, curled), Key(0.55, REST)]
+
+
+def _farther(_: Side) -> list[Key]:
+    """Arms swept forward and up to the chest's height twice, palms ahead (ICAO: move back)."""
+    swept = _both(**{"raise": 74, "forward": 66, "bend": 16, "roll": -20})
+    drawn = _both(**{"raise": 22, "forward": 60, "bend": 30, "roll": -10})
+    return [
+        Key(0.46, {**swept, "lean_forward": 3.0}), Key(0.36, {**drawn, "lean_forward": 0.0}),
+        Key(0.38, {**swept, "lean_forward": 3.0}), Key(0.5, REST),
+    ]  # fmt: skip
+
+
+def _orbit(_: Side) -> list[Key]:
+    """Arms spread like wings, banked to one side and the other, and once more."""
+
+    def bank(sign: int) -> dict[str, float]:
+        return {
+            "left_raise": 88 - 38 * sign, "right_raise": 88 + 38 * sign, "lean_left": 12.0 * sign,
+            "pelvis_left": -3.0 * sign, **_both(forward=4, bend=6, roll=0),
+        }  # fmt: skip
+
+    return [Key(0.5, bank(1)), Key(0.46, bank(-1)), Key(0.46, bank(1)), Key(0.56, REST)]
+
+
+COMMAND_SCORES: dict[str, Score] = {
+    Command.TAKE_OFF.value: _take_off,
+    Command.LAND.value: _land,
+    Command.STOP.value: _stop,
+    Command.LEFT.value: _left,
+    Command.RIGHT.value: _right,
+    Command.UP.value: _up,
+    Command.DOWN.value: _down,
+    Command.CLOSER.value: _closer,
+    Command.FARTHER.value: _farther,
+    Command.ORBIT.value: _orbit,
+}
+"""The ten commands by the value of ``Command``."""
+
+
+def _wave(hand: Side) -> list[Key]:
+    """Wave hello beside the head."""
+    up = {"raise": 62, "forward": 25, "bend": 112}
+    out, back = _one(hand, **up, roll=-95), _one(hand, **up, roll=-50)
+    return [Key(0.5, out), Key(0.2, back), Key(0.2, out), Key(0.2, back), Key(0.2, out), Key(0.5, REST)]
+
+
+def _scratch_head(hand: Side) -> list[Key]:
+    """Scratch the top of the head."""
+    up = {"raise": 112, "forward": 28, "roll": -78}
+    near, far = _one(hand, **up, bend=136), _one(hand, **up, bend=126)
+    tilt = {"tilt": 7.0 if hand == "left" else -7.0, "nod": 8.0}
+    return [Key(0.6, near | tilt), Key(0.16, far), Key(0.16, near), Key(0.16, far), Key(0.16, near),
+            Key(0.6, REST)]  # fmt: skip
+
+
+def _hands_on_hips(_: Side) -> list[Key]:
+    """Put the hands on the hips for a moment."""
+    akimbo = _both(**{"raise": 44, "forward": -18, "bend": 92, "roll": 70, "shrug": 3})
+    return [Key(0.6, akimbo), Key(0.35, {**akimbo, "lean_left": 3.0}), Key(0.6, REST)]
+
+
+def _look_at_watch(hand: Side) -> list[Key]:
+    """Raise the other hand's wrist before the chest and look at it."""
+    wrist = _one(_other(hand), **{"raise": 42, "forward": 62, "bend": 88, "roll": 62})
+    return [Key(0.55, wrist | {"nod": 22.0}), Key(0.45, wrist | {"nod": 24.0}), Key(0.55, REST)]
+
+
+def _bow(_: Side) -> list[Key]:
+    """Bow."""
+    down = {"lean_forward": 48.0, "pelvis_forward": -12.0, "nod": 6.0, **_both(swing=40.0)}
+    return [Key(0.75, down), Key(0.15, down), Key(0.75, REST)]
+
+
+def _kick(hand: Side) -> list[Key]:
+    """Kick a ball that is not there."""
+    back = _one(hand, foot_forward=-22, foot_up=14) | {"pelvis_left": 5.0 if hand == "right" else -5.0}
+    kick = _one(hand, foot_forward=52, foot_up=34) | {"lean_forward": -8.0}
+    arms = _one(_other(hand), swing=35.0) | _one(hand, swing=-25.0)
+    return [Key(0.4, back), Key(0.3, kick | arms | {"pelvis_left": back["pelvis_left"]}), Key(0.55, REST)]
+
+
+def _shrug(_: Side) -> list[Key]:
+    """Shrug: shoulders up, forearms out."""
+    up = _both(**{"shrug": 16, "raise": 24, "forward": 10, "bend": 78, "roll": -50}) | {"tilt": 6.0}
+    return [Key(0.45, up), Key(0.25, up), Key(0.5, REST)]
+
+
+def _swing_arms(_: Side) -> list[Key]:
+    """Swing both arms loosely to and fro."""
+    ahead, behind = _both(swing=42.0, bend=25), _both(swing=-28.0, bend=8)
+    return [Key(0.45, ahead), Key(0.45, behind), Key(0.45, ahead), Key(0.5, REST)]
+
+
+def _point(hand: Side) -> list[Key]:
+    """Point at something ahead and to the side, once."""
+    arm = _one(hand, **{"raise": 80, "forward": 48, "bend": 10, "roll": 0})
+    return [Key(0.5, arm | {"twist": 8.0 if hand == "left" else -8.0}), Key(0.3, arm), Key(0.55, REST)]
+
+
+def _rub_neck(hand: Side) -> list[Key]:
+    """Rub the neck."""
+    up = {"raise": 92, "forward": 48, "roll": -62}
+    near, far = _one(hand, **up, bend=146), _one(hand, **up, bend=134)
+    return [Key(0.6, near | {"nod": 14.0}), Key(0.24, far), Key(0.24, near), Key(0.24, far),
+            Key(0.6, REST)]  # fmt: skip
+
+
+def _phone(hand: Side) -> list[Key]:
+    """Take the phone to the ear."""
+    ear = _one(hand, **{"raise": 40, "forward": 42, "bend": 148, "roll": -40})
+    tilt = {"tilt": 8.0 if hand == "left" else -8.0}
+    return [Key(0.6, ear | tilt), Key(0.5, ear | {"nod": 3.0}), Key(0.6, REST)]
+
+
+def _adjust_hat(_: Side) -> list[Key]:
+    """Set the hat right with both hands."""
+    brim = _both(**{"raise": 84, "forward": 42, "bend": 128, "roll": -76})
+    tug = _both(**{"raise": 92, "forward": 38, "bend": 132, "roll": -78})
+    return [Key(0.6, brim | {"nod": 6.0}), Key(0.25, tug), Key(0.25, brim), Key(0.6, REST)]
+
+
+def _clap(_: Side) -> list[Key]:
+    """Clap three times in front of the chest."""
+    apart = _both(**{"raise": 40, "forward": 58, "bend": 84, "roll": 0})
+    clap = _both(**{"raise": 40, "forward": 72, "bend": 88, "roll": 27})
+    return [Key(0.48, apart), Key(0.15, clap), Key(0.17, apart), Key(0.15, clap), Key(0.17, apart),
+            Key(0.15, clap), Key(0.5, REST)]  # fmt: skip
+
+
+def _arms_crossed(_: Side) -> list[Key]:
+    """Fold the arms and let go again."""
+    fold = _both(bend=104, roll=78) | {
+        "left_raise": 36, "left_forward": 62, "right_raise": 44, "right_forward": 66,
+    }  # fmt: skip
+    return [Key(0.6, fold), Key(0.4, {**fold, "lean_forward": -2.0}), Key(0.6, REST)]
+
+
+def _throw(hand: Side) -> list[Key]:
+    """Throw a ball overarm, past the camera."""
+    sign = 1.0 if hand == "right" else -1.0
+    cocked = _one(hand, **{"raise": 96, "forward": -14, "bend": 96, "roll": -92}) | {"twist": -22.0 * sign}
+    thrown = _one(hand, **{"raise": 78, "forward": 62, "bend": 14, "roll": -40}) | {"twist": 20.0 * sign}
+    return [Key(0.55, cocked), Key(0.26, thrown | {"lean_forward": 10.0}), Key(0.65, REST)]
+
+
+def _wipe_brow(hand: Side) -> list[Key]:
+    """Wipe the forehead with the forearm."""
+    start = _one(hand, **{"raise": 86, "forward": 62, "bend": 128, "roll": -38})
+    end = _one(hand, **{"raise": 88, "forward": 30, "bend": 122, "roll": -62})
+    return [Key(0.58, start | {"nod": 8.0}), Key(0.4, end), Key(0.6, REST)]
+
+
+def _touch_toes(_: Side) -> list[Key]:
+    """Bend down to pick something up, knees bent."""
+    down = {
+        "pelvis_down": 26.0, "pelvis_forward": -16.0, "lean_forward": 58.0, "nod": -10.0,
+        **_both(swing=52.0, bend=12),
+    }  # fmt: skip
+    return [Key(0.75, down), Key(0.12, down), Key(0.75, REST)]
+
+
+def _stretch(_: Side) -> list[Key]:
+    """Stretch: elbows drawn back at the shoulders' height, chest out, trunk turned to and fro."""
+    wide = _both(**{"raise": 82, "forward": -12, "bend": 122, "roll": 10, "shrug": 4})
+    return [Key(0.6, wide | {"lean_forward": -5.0}), Key(0.35, wide | {"twist": 20.0}),
+            Key(0.5, wide | {"twist": -20.0}), Key(0.65, REST)]  # fmt: skip
+
+
+BACKGROUND_SCORES: dict[str, Score] = {
+    "wave": _wave, "scratch_head": _scratch_head, "hands_on_hips": _hands_on_hips,
+    "look_at_watch": _look_at_watch, "bow": _bow, "kick": _kick, "shrug": _shrug,
+    "swing_arms": _swing_arms, "point": _point, "rub_neck": _rub_neck,
+}  # fmt: skip
+"""Movements that are no command and that training may show as such."""
+
+DISTRACTOR_SCORES: dict[str, Score] = {
+    "phone": _phone, "adjust_hat": _adjust_hat, "clap": _clap, "arms_crossed": _arms_crossed,
+    "throw": _throw, "wipe_brow": _wipe_brow, "pick_up": _touch_toes, "stretch": _stretch,
+}  # fmt: skip
+"""Movements that are no command and that no training ever sees: what the demo distracts with."""
+
+SCORES: dict[str, Score] = {**COMMAND_SCORES, **BACKGROUND_SCORES, **DISTRACTOR_SCORES}
+"""Every gesture by name."""
+
+COMMANDS = tuple(COMMAND_SCORES)
+BACKGROUND = tuple(BACKGROUND_SCORES)
+DISTRACTORS = tuple(DISTRACTOR_SCORES)
+
+
+@dataclass(frozen=True, slots=True)
+class Performance:
+    """One repetition of a gesture by one person, as deviations from the person's rest."""
+
+    name: str
+    """The gesture."""
+    table: Float[np.ndarray, "rows channels"]
+    """What is added to the channels at rest, ``TABLE_HZ`` rows a second; first and last rows are zero."""
+
+    @property
+    def duration_s(self) -> float:
+        """Seconds from first to last movement."""
+        return (len(self.table) - 1) / TABLE_HZ
+
+    def at(self, since_s: float) -> Float[np.ndarray, " channels"]:
+        """Return the deviations ``since_s`` seconds after the beginning; zero outside."""
+        place = since_s * TABLE_HZ
+        if not 0 < place < len(self.table) - 1:
+            return np.zeros(len(CHANNELS))
+        row = int(place)
+        part = place - row
+        return np.asarray((1 - part) * self.table[row] + part * self.table[row + 1])
+
+
+def minimum_jerk(phase: Float[np.ndarray, "*n"] | float) -> Float[np.ndarray, "*n"]:
+    """Go from 0 to 1 as an arm does (Flash and Hogan 1985): at rest and unaccelerated at both ends."""
+    p = np.clip(phase, 0.0, 1.0)
+    return np.asarray(p**3 * (10 - 15 * p + 6 * p**2))
+
+
+def perform(name: str, person: Person, seed: int | Sequence[int] = 0) -> Performance:
+    """Let a person show a gesture once.
+
+    Args:
+        name: One of ``SCORES``.
+        person: Whose speed, size and habits.
+        seed: Chooses the repetition; the same seed gives the same movement.
+
+    Raises:
+        InputError: If there is no gesture of that name.
+
+    Example:
+        >>> from wigwag.sim.person import Person
+        >>> perform("stop", Person()).table.shape[1] == len(CHANNELS)
+        True
+    """
+    if name not in SCORES:
+        raise InputError(f"There is no simulated gesture {name!r}. Available gestures: {sorted(SCORES)}.")
+    rng = np.random.default_rng([person.seed, sorted(SCORES).index(name), *np.atleast_1d(seed)])
+    tracks = _tracks(SCORES[name](person.handedness), person, rng)
+    end = max(times[-1] for times, _ in tracks.values())
+    clock = np.arange(int(np.ceil(end * TABLE_HZ)) + 2) / TABLE_HZ
+    table = np.zeros((len(clock), len(CHANNELS)))
+    for channel, (times, values) in tracks.items():
+        steps = minimum_jerk((clock[:, None] - times[:-1]) / np.diff(times))
+        table[:, CHANNEL[channel]] = steps @ np.diff(values)
+    return Performance(name, table)
+
+
+def _tracks(
+    score: Sequence[Key], person: Person, rng: np.random.Generator
+) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """One repetition: for each channel its key times (s) and deviations from rest, both ending at rest."""
+    # One draw for the whole repetition's speed and size, one for each key.
+    pace = person.tempo * np.exp(rng.normal(0, 0.05 * person.sloppiness))
+    size = person.amplitude * np.exp(rng.normal(0, 0.035 * person.sloppiness))
+    spans = [key.after_s / pace * np.exp(rng.normal(0, 0.06 * person.sloppiness)) for key in score]
+    moments = np.cumsum(spans)
+    standing = dict(zip(CHANNELS, rest(person), strict=True))
+    touched = sorted({name for key in score for name in key.to})
+    tracks = {}
+    for name in touched:
+        lag = {"left": person.lag_s, "right": -person.lag_s}.get(name.split("_")[0], 0.0) / 2
+        lag += rng.normal(0, 0.012 * person.sloppiness)
+        start = max(0.0, lag)
+        times, values = [start], [0.0]
+        for key, moment in zip(score, moments, strict=True):
+            if not key.to:
+                times.append(moment + lag)
+                values.append(0.0)
+            elif name in key.to:
+                times.append(moment + lag)
+                values.append(
+                    _deviation(name, key.to[name], standing[name], person=person, size=size, rng=rng)
+                )
+        tracks[name] = (np.asarray(times), np.asarray(values))
+    return tracks
+
+
+def _deviation(
+    name: str, target: float, standing: float, *, person: Person, size: float, rng: np.random.Generator
+) -> float:
+    """A person's deviation from rest where the score asks for ``target`` (degrees or centimetres)."""
+    kind = name.split("_", 1)[1] if name.startswith(("left_", "right_")) else name
+    if name in METRES:
+        scale = person.height_m / 1.75 * size * np.exp(rng.normal(0, 0.06 * person.sloppiness))
+        return float(target / 100 * scale)
+    value = np.deg2rad(target)
+    noise = np.deg2rad(3.0) * person.sloppiness * rng.normal()
+    if kind == "raise":
+        ratio = person.side_ratio if name.startswith("left") else 1.0
+        value = standing + (value - standing) * size * ratio + noise
+        return float(np.clip(value, 0.0, np.deg2rad(176)) - standing)
+    if kind == "bend":
+        value = np.clip(value + person.elbow_bend_rad * max(0.0, 1 - value) + noise, 0.02, np.deg2rad(150))
+        return float(value - standing)
+    if kind == "forward":
+        return float(value + person.forward_rad + noise - standing)
+    if kind == "roll":
+        return float(value + 2 * noise - standing)
+    return float(value * size + 0.15 * noise - standing)
