@@ -1,1 +1,7 @@
-"""Sequences are compared: dynamic time warping."""
+"""Sequences are compared: dynamic time warping, and the nearest of many references."""
+
+from wigwag.distances.dtw import dtw, dtw_pairwise
+from wigwag.distances.nearest import NearestSequences
+from wigwag.distances.packed import PackedSequences
+
+__all__ = ["NearestSequences", "PackedSequences", "dtw", "dtw_pairwise"]

@@ -1,0 +1,133 @@
+"""Dynamic time warping between sequences of vectors, with Euclidean local cost."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float
+from numba import njit
+
+from wigwag.distances.packed import PackedSequences
+from wigwag.errors import InputError
+
+
+def dtw(
+    a: Float[np.ndarray, "frames_a features"],
+    b: Float[np.ndarray, "frames_b features"],
+    band: int | None = None,
+) -> float:
+    """Dynamic time warping distance between two sequences (paper, section 4).
+
+    The least sum of Euclidean distances between aligned frames over all paths that start at both first
+    frames, end at both last ones, and step forward in one sequence or in both. All features are warped
+    together ('dependent' DTW).
+
+    Args:
+        a: One sequence, one row a frame.
+        b: The other; it may have another length, but has the same features.
+        band: Sakoe-Chiba band: frames ``i`` and ``j`` are aligned only if ``|i - j| <= band``. It is
+            widened to the difference of the lengths where it must be. ``None``: no limit.
+
+    Raises:
+        InputError: If an array is not 2-D, is empty, or the features do not match.
+
+    Example:
+        >>> import numpy as np
+        >>> dtw(np.array([[0.0], [1.0], [2.0]]), np.array([[0.0], [2.0]]))
+        1.0
+    """
+    first, second = _sequence(a, "a"), _sequence(b, "b")
+    if first.shape[1] != second.shape[1]:
+        raise InputError(
+            f"dtw needs sequences of the same features, but got {first.shape[1]} and {second.shape[1]}."
+        )
+    return float(_dtw(first, second, _width(band)))
+
+
+def dtw_pairwise(
+    a: Sequence[Float[np.ndarray, "frames_a features"]],
+    b: Sequence[Float[np.ndarray, "frames_b features"]] | None = None,
+    band: int | None = None,
+) -> Float[np.ndarray, "sequences_a sequences_b"]:
+    """Dynamic time warping distances between each sequence of one list and each of another.
+
+    Computed by matrix products, many sequences at a time, in the sequences' own floating point type. In
+    float32 that leaves a relative error of about 1e-5 of the frames' distance from their common mean.
+
+    Args:
+        a: Sequences of any lengths.
+        b: Others; ``None``: ``a`` against itself.
+        band: As in :func:`dtw`.
+
+    Raises:
+        InputError: If a list is empty, or the features do not match.
+    """
+    packed = PackedSequences(a if b is None else b)
+    return np.stack([packed.distances(sequence, band) for sequence in a])
+
+
+def _sequence(values: np.ndarray, name: str) -> np.ndarray:
+    array = np.ascontiguousarray(values)
+    if array.ndim != 2 or len(array) == 0:
+        raise InputError(f"dtw: {name} must have shape (frames, features), but got {np.shape(values)}.")
+    return array if array.dtype in (np.float32, np.float64) else array.astype(np.float64)
+
+
+def _width(band: int | None) -> int:
+    if band is None:
+        return np.iinfo(np.int32).max
+    if band < 0:
+        raise InputError(f"band must be 0 or more frames, or None, but got {band}.")
+    return int(band)
+
+
+@njit(cache=True, fastmath=True)
+def _dtw(a, b, band):  # type: ignore[no-untyped-def]  # compiled: numba infers the types
+    """Distance from differences, without a matrix product: nothing cancels."""
+    n, m = len(a), len(b)
+    width = max(band, abs(n - m))
+    before = np.full(m + 1, 1e300)
+    row = np.empty(m + 1)
+    before[0] = 0.0
+    for i in range(n):
+        row[:] = 1e300
+        for j in range(max(0, i - width), min(m, i + width + 1)):
+            square = 0.0
+            for f in range(a.shape[1]):
+                step = a[i, f] - b[j, f]
+                square += step * step
+            row[j + 1] = np.sqrt(square) + min(before[j], before[j + 1], row[j])  # eq. DTW
+        before, row = row, before
+    return before[m]
+
+
+def dtw_by_product(
+    a: Float[np.ndarray, "frames_a features"], b: Float[np.ndarray, "frames_b features"]
+) -> float:
+    """Unconstrained DTW through one matrix product: the fast way for one pair of many features.
+
+    The arrays should be about a common mean: squared distances come from |a|^2 + |b|^2 - 2 a.b, so their
+    absolute error is the rounding of |a|^2 + |b|^2.
+    """
+    squares = a @ b.T
+    squares *= -2
+    squares += np.einsum("tf,tf->t", a, a)[:, None]
+    squares += np.einsum("tf,tf->t", b, b)
+    return float(_dtw_of_squares(squares))
+
+
+@njit(cache=True, fastmath=True)
+def _dtw_of_squares(squares):  # type: ignore[no-untyped-def]  # compiled
+    """Run the DTW recurrence over squared local costs."""
+    n, m = squares.shape
+    row = np.full(m + 1, 1e300)
+    row[0] = 0.0
+    for i in range(n):
+        diagonal = row[0]
+        row[0] = 1e300
+        for j in range(m):
+            above = row[j + 1]
+            row[j + 1] = np.sqrt(max(squares[i, j], 0.0)) + min(diagonal, above, row[j])
+            diagonal = above
+    return row[m]
