@@ -18,7 +18,7 @@ from wigwag.fly.values import HOVER, Command, Setpoint, VehicleState
 from wigwag.gesture import Gesture
 from wigwag.skeleton import Pose
 from wigwag.stream.spot import Recogniser, SpotConfig, Spotter
-from wigwag.vehicles import Vehicle
+from wigwag.vehicles.protocol import FlightMode, Vehicle
 
 
 class PoseSource(Protocol):
@@ -104,7 +104,7 @@ class Pilot:
         began = self.clock()
         pose = None if frame is None else self.pose(frame)
         seen = self.clock()
-        state = self.vehicle.state()
+        state = self.vehicle.state
         self.track.observe_vehicle(state)
         if pose is not None:
             self.track.observe(pose)
@@ -150,6 +150,7 @@ class Pilot:
         operator = self.track.position_m(now_ns)
         sight = (operator - state.position_m)[:2]
         distance = float(np.linalg.norm(sight))
+        mode = self.vehicle.mode
         wanted = HOVER
         before = self.supervisor.mode
         if known and before in (Mode.FOLLOWING, Mode.HOLDING):
@@ -166,8 +167,8 @@ class Pilot:
                 state.stamp_ns,
                 distance if known else None,
                 wrap(float(np.arctan2(sight[1], sight[0])) - state.heading_rad),
-                state.flying,
-                not state.armed,
+                mode in (FlightMode.HOLDING, FlightMode.STEERED),
+                mode in (FlightMode.DISARMED, FlightMode.READY),
                 command,
                 wanted,
             )

@@ -1,13 +1,14 @@
 """Judging a flight: every event is accounted for exactly once."""
 
-from wigwag.evaluate.flight import FlightLog, Outcome, Row, Showing, judge, summarise
+from wigwag.evaluate.flight import FlightLog, Outcome, Row, judge, summarise
 from wigwag.gesture import Gesture
+from wigwag.sim.script import Shown
 
 SHOWN = [
-    Showing("left", 10, 12, True),
-    Showing("clap", 15, 16, False),
-    Showing("up", 20, 22, True),
-    Showing("down", 23, 25, True),
+    Shown("left", 10, 12, True),
+    Shown("clap", 15, 16, False),
+    Shown("up", 20, 22, True),
+    Shown("down", 23, 25, True),
 ]
 
 

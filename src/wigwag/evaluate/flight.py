@@ -10,16 +10,7 @@ from typing import Any
 import numpy as np
 
 from wigwag.gesture import Gesture
-
-
-@dataclass(frozen=True, slots=True)
-class Showing:
-    """Something the operator really did, from the script that moves them."""
-
-    label: str
-    start_s: float
-    end_s: float
-    is_command: bool
+from wigwag.sim.script import Shown
 
 
 class Outcome(StrEnum):
@@ -61,18 +52,18 @@ class FlightLog:
     rows: list[Row] = field(default_factory=list)
     events: list[Gesture] = field(default_factory=list)
     """Only gestures with a label."""
-    showings: list[Showing] = field(default_factory=list)
+    shown: list[Shown] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
     """Each showing and each event with its outcome."""
 
-    showings: list[tuple[Showing, Outcome, Gesture | None]]
+    showings: list[tuple[Shown, Outcome, Gesture | None]]
     false_events: list[tuple[Gesture, Outcome]]
 
 
-def judge(showings: Sequence[Showing], events: Sequence[Gesture], patience_s: float = 2.0) -> Judgement:
+def judge(showings: Sequence[Shown], events: Sequence[Gesture], patience_s: float = 2.0) -> Judgement:
     """Give every event to the showing it was decided in, or within ``patience_s`` after its end.
 
     The first event in a command's time decides its outcome. Every further event, every event during another
@@ -101,7 +92,7 @@ def judge(showings: Sequence[Showing], events: Sequence[Gesture], patience_s: fl
             false.append((event, Outcome.FALSE_ON_NOTHING))
         else:
             given[owner] = event
-    judged: list[tuple[Showing, Outcome, Gesture | None]] = []
+    judged: list[tuple[Shown, Outcome, Gesture | None]] = []
     for i, showing in enumerate(ordered):
         own = given.get(i)
         if not showing.is_command:
@@ -122,9 +113,9 @@ def judge(showings: Sequence[Showing], events: Sequence[Gesture], patience_s: fl
 
 def summarise(log: FlightLog) -> dict[str, Any]:
     """Reduce a flight to the figures of ``summary.json``."""
-    judgement = judge(log.showings, log.events)
+    judgement = judge(log.shown, log.events)
     outcomes = [outcome for _, outcome, _ in judgement.showings]
-    commands = [s for s in log.showings if s.is_command]
+    commands = [s for s in log.shown if s.is_command]
     delays = [
         event.decided_ns * 1e-9 - showing.end_s
         for showing, outcome, event in judgement.showings
@@ -143,7 +134,7 @@ def summarise(log: FlightLog) -> dict[str, Any]:
             "missed": outcomes.count(Outcome.MISSED),
             "decided_after_end_s_median": _round(np.median(delays)) if delays else None,
         },
-        "others_shown": len(log.showings) - len(commands),
+        "others_shown": len(log.shown) - len(commands),
         "false_commands": len(judgement.false_events),
         "false_on_nothing": on_nothing,
         "false_on_others": len(judgement.false_events) - on_nothing,

@@ -56,5 +56,3 @@ class VehicleState:
     """Pitch of the body, FLU: positive puts the nose down."""
     armed: bool = True
     """Whether the propellers may turn."""
-    flying: bool = True
-    """Off the ground and taking set-points; false while taking off and landing."""

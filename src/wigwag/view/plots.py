@@ -43,7 +43,7 @@ STYLE: dict[str, Any] = {
 
 def timeline(log: FlightLog) -> str:
     """Draw what was shown as bars and what was understood as marks, over time."""
-    judgement = judge(log.showings, log.events)
+    judgement = judge(log.shown, log.events)
     labels = list(dict.fromkeys(s.label for s, _, _ in judgement.showings if s.is_command))
     others = list(dict.fromkeys(s.label for s, _, _ in judgement.showings if not s.is_command))
     rows = {label: i for i, label in enumerate(reversed([*labels, *others]))}

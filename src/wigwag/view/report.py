@@ -49,7 +49,7 @@ def write_report(
         stills: What the camera saw when gestures were decided.
         film: The MP4 to embed.
     """
-    judgement = judge(log.showings, log.events)
+    judgement = judge(log.shown, log.events)
     rows = [
         {
             "time": f"{showing.start_s:.1f}",
