@@ -36,6 +36,10 @@ class Region:
         du, dv = float(above[0] - center[0]), float(above[1] - center[1])
         return cls(float(center[0]), float(center[1]), 2.0 * scale * math.hypot(du, dv), math.atan2(du, -dv))
 
+    def usable(self, max_tilt_rad: float) -> bool:
+        """Say whether a body may stand here: a real size, and not tilted by more than this."""
+        return math.isfinite(self.side) and self.side > 4.0 and abs(self.angle_rad) <= max_tilt_rad
+
     @classmethod
     def whole(cls, width: int, height: int) -> Region:
         """Build the smallest upright square that holds the whole picture."""
