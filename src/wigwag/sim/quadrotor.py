@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -47,9 +48,11 @@ class QuadrotorConfig:
     """How fast a new velocity is taken up, horizontally and vertically."""
     max_yaw_acceleration_rad_s2: float = 6.0
     max_tilt_rad: float = 0.45
-    velocity_gain: float = 3.2
+    tilt_time_s: float = 0.09
+    """How long the attitude loop needs to tilt; the airframe's."""
+    velocity_gain: float = 5.5
     """1/s; acceleration a velocity error asks for."""
-    position_gain: float = 1.6
+    position_gain: float = 2.5
     """1/s; velocity that lagging behind the commanded path asks for. Holds against wind and drag."""
     wind: WindConfig = field(default_factory=WindConfig)
     estimate: EstimateConfig = field(default_factory=EstimateConfig)
@@ -82,11 +85,13 @@ class Quadrotor:
             )
         self._mass = float(quad_params["mass"])
         hover = float(np.sqrt(self._mass * _G / 4 / quad_params["k_eta"]))
+        # Rotor drag at hover, 1/s: force per velocity and mass.
+        self._drag = 4 * hover / self._mass * np.array([quad_params["k_d"], quad_params["k_d"], quad_params["k_z"]])
         self._idle_rotors = np.full(4, 0.25 * hover)
-        # One step of a second-order-accurate pair is enough: tolerances are loose, the step is short.
+        # Tolerances are loose and the first step is the whole one: a single Runge-Kutta step does.
         self._plant = Multirotor(
             quad_params, control_abstraction="cmd_ctatt", aero=True, enable_ground=True,
-            integrator_kwargs={"method": "RK23", "first_step": 1.0 / config.rate_hz, "rtol": 1e-2, "atol": 1e-2},
+            integrator_kwargs={"method": "RK23", "rtol": 1e-2, "atol": 1e-2},
         )  # fmt: skip
         self._gusts = Gusts(config.wind, seed)
         self._rng = np.random.default_rng([seed, 0xE57])
@@ -105,7 +110,8 @@ class Quadrotor:
 
     def step(self, setpoint: Setpoint, dt_s: float) -> None:
         """Fly on for ``dt_s`` seconds under one set-point, in steps no longer than the inner loop's."""
-        steps = max(1, round(dt_s * self.config.rate_hz))
+        steps = max(1, math.ceil(dt_s * self.config.rate_hz - 1e-9))
+        self._plant.integrator_kwargs["first_step"] = dt_s / steps
         for _ in range(steps):
             self._step(setpoint, dt_s / steps)
 
@@ -165,7 +171,7 @@ class Quadrotor:
     def _restart_loop(self) -> None:
         """Forget where the loop was steering to."""
         self._target = self._believed_position.copy()
-        self._velocity = np.zeros(3)
+        self._velocity, self._path = np.zeros(3), np.zeros(3)
         self._heading = self._believed_attitude[2]
         self._yaw_rate = 0.0
 
@@ -183,13 +189,17 @@ class Quadrotor:
         if size > c.max_acceleration_m_s2 * dt:
             change *= c.max_acceleration_m_s2 * dt / size
         self._velocity = self._velocity + change
-        lag = self._target + self._velocity * dt - self._believed_position
+        # The drone first has to tilt, so the path it is held to runs that much behind the push it gets.
+        follow = 1.0 - math.exp(-dt / c.tilt_time_s)
+        self._path += (self._velocity - self._path) * np.array([follow, follow, 1.0])
+        lag = self._target + self._path * dt - self._believed_position
         # Behind by more than this, the target waits: no rush after a gust or a landing.
         reach = max(1.0, float(np.sqrt(lag @ lag)) / 0.6)
         lag = lag / reach
         self._target = self._believed_position + lag
-        error = self._velocity + c.position_gain * lag - self._believed_velocity
-        acceleration = change / dt + c.velocity_gain * error + np.array([0.0, 0.0, _G])
+        error = self._path + c.position_gain * lag - self._believed_velocity
+        push = change / dt + self._drag * self._path  # what the flight needs if nothing disturbs it
+        acceleration = push + c.velocity_gain * error + np.array([0.0, 0.0, _G])
         acceleration[2] = np.clip(acceleration[2], 0.3 * _G, 1.7 * _G)
         most = acceleration[2] * np.tan(c.max_tilt_rad)
         level = float(np.hypot(acceleration[0], acceleration[1]))
