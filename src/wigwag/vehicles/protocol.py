@@ -39,8 +39,9 @@ class Vehicle(Protocol):
         """Reach the vehicle; raises ``WigwagError`` if it cannot be reached."""
         ...
 
+    @property
     def state(self) -> VehicleState:
-        """Return what the drone believes of itself now."""
+        """What the drone believes of itself now."""
         ...
 
     def arm(self) -> bool:

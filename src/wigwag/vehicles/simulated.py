@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
 from wigwag.errors import InputError
@@ -76,9 +76,10 @@ class SimulatedVehicle:
     def connect(self) -> None:
         """Nothing to reach: it lives in this process."""
 
+    @property
     def state(self) -> VehicleState:
-        """Return what the drone believes of itself; ``flying`` while it takes set-points."""
-        return replace(self._airframe.measured, flying=self._mode in _TAKES_SETPOINTS)
+        """What the drone believes of itself."""
+        return self._airframe.measured
 
     def arm(self) -> bool:
         """Start the motors; refused in the air."""
@@ -129,7 +130,7 @@ class SimulatedVehicle:
         if self._mode is FlightMode.STEERED and not self._fresh(self._sent_ns):
             self._mode = FlightMode.HOLDING
         self._airframe.step(self._wanted(), dt_s)
-        height = float(self._airframe.measured.position_m[2])
+        height = float(self.state.position_m[2])
         if self._mode is FlightMode.TAKING_OFF and height > self._height_m - 0.05:
             self._mode = FlightMode.HOLDING
         elif self._mode is FlightMode.LANDING and self._airframe.on_ground:
@@ -137,11 +138,11 @@ class SimulatedVehicle:
             self._mode = FlightMode.DISARMED
 
     def _fresh(self, stamp_ns: int) -> bool:
-        return self._airframe.measured.stamp_ns - stamp_ns <= self.config.dead_man_s * 1e9
+        return self.state.stamp_ns - stamp_ns <= self.config.dead_man_s * 1e9
 
     def _wanted(self) -> Setpoint:
         """Set-point of the moment."""
-        c, height = self.config, float(self._airframe.measured.position_m[2])
+        c, height = self.config, float(self.state.position_m[2])
         if self._mode is FlightMode.STEERED:
             return self._setpoint
         if self._mode is FlightMode.TAKING_OFF:
