@@ -85,16 +85,28 @@ class Feet:
         for foot in (0, 1):
             off = self._home(foot, root_xy + 0.10 * velocity, heading) - self._where[foot]
             misplaced[foot] = np.hypot(off[0], off[1]) + _YAW_WEIGHT_M * abs(off[2])
-        if speed > 0.1:
+        if speed > 0.1 and self._rested_s < 0.3:
             misplaced[self._last] *= 0.6  # walking goes left, right, left
+        elif speed > 0.1:
+            # The first step goes to where the body goes: to the left with the left foot.
+            leftward = float(velocity @ np.array([-np.sin(heading), np.cos(heading)]))
+            misplaced += 0.08 * np.array([np.sign(leftward), -np.sign(leftward)]) * (abs(leftward) > 0.05)
         foot = int(np.argmax(misplaced))
         if misplaced[foot] < 0.06:
             return
         self._swinging, self._last, self._since_s = foot, foot, 0.0
-        self._lasts_s = 0.46 - 0.10 * min(speed / 0.75, 1.0)
+        # Walking sideways takes shorter, quicker steps, since the feet do not cross.
+        across = abs(float(velocity @ np.array([-np.sin(heading), np.cos(heading)])))
+        self._lasts_s = 0.46 - 0.10 * min(speed / 0.75, 1.0) - 0.10 * min(across / 0.75, 1.0)
         self._from = self._where[foot].copy()
         # Small steps are low.
         self._high = self._lift * min(1.0, 0.4 + misplaced[foot] / 0.3)
+
+    def _uncrossed(self, foot: int, aim: Float[np.ndarray, 2], heading_rad: float) -> Float[np.ndarray, 2]:
+        """Keep the aim of a foot on its own side of the other foot."""
+        outward = np.array([-np.sin(heading_rad), np.cos(heading_rad)]) * (1.0 if foot == 0 else -1.0)
+        apart = float((aim - self._where[1 - foot, :2]) @ outward)
+        return aim + max(0.0, 1.1 * self._half - apart) * outward
 
     def _swing(
         self, dt_s: float, root_xy: np.ndarray, velocity: np.ndarray, heading: float, turn_rate: float
@@ -108,6 +120,7 @@ class Feet:
         # It lands ahead of the body by half of the time that it will then stand.
         ahead_s = left_s + 0.5 * (self._lasts_s + 0.05)
         aim = self._home(foot, root_xy + velocity * ahead_s, heading + turn_rate * left_s)
+        aim[:2] = self._uncrossed(foot, aim[:2], heading)
         share = float(minimum_jerk(phase))
         self._where[foot] = (1 - share) * self._from + share * aim
         self._height[foot] = self._high * 16 * phase**2 * (1 - phase) ** 2

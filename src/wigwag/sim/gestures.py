@@ -37,7 +37,7 @@ class Key:
 
 
 Score = Callable[[Side], Sequence[Key]]
-"""A gesture as key poses, given the hand that the person prefers."""
+"""A gesture as key poses, given the hand it is shown with (commands are the same for either hand)."""
 
 
 def _both(**values: float) -> dict[str, float]:
@@ -59,10 +59,10 @@ REST: dict[str, float] = {}
 def _take_off(_: Side) -> list[Key]:
     """Hands to the shoulders, then both are thrust overhead twice."""
     cocked = _both(**{"raise": 38, "forward": 5, "bend": 140, "roll": -62})
-    thrust = _both(**{"raise": 164, "forward": 5, "bend": 12, "roll": -60})
+    thrust = _both(**{"raise": 166, "forward": 5, "bend": 12, "roll": -60})
     return [
-        Key(0.45, cocked), Key(0.34, {**thrust, "pelvis_down": -1.0}), Key(0.32, cocked),
-        Key(0.34, {**thrust, "pelvis_down": -1.0}), Key(0.62, REST),
+        Key(0.42, cocked), Key(0.37, {**thrust, "pelvis_down": -1.0}), Key(0.35, cocked),
+        Key(0.37, {**thrust, "pelvis_down": -1.0}), Key(0.30, cocked), Key(0.42, REST),
     ]  # fmt: skip
 
 
@@ -76,10 +76,10 @@ def _land(_: Side) -> list[Key]:
 
 def _stop(_: Side) -> list[Key]:
     """Arms overhead, wrists crossed and opened twice (ICAO: stop)."""
-    opened = _both(**{"raise": 138, "bend": 14, "roll": -80}) | {"left_forward": 0, "right_forward": 14}
-    crossed = _both(**{"raise": 158, "bend": 58, "roll": -80}) | {"left_forward": 0, "right_forward": 14}
+    opened = _both(**{"raise": 134, "bend": 14, "roll": -88}) | {"left_forward": 0, "right_forward": 14}
+    crossed = _both(**{"raise": 168, "bend": 74, "roll": -88}) | {"left_forward": -4, "right_forward": 16}
     return [
-        Key(0.48, opened), Key(0.27, crossed), Key(0.27, opened), Key(0.27, crossed), Key(0.25, opened),
+        Key(0.5, opened), Key(0.31, crossed), Key(0.30, opened), Key(0.31, crossed), Key(0.28, opened),
         Key(0.5, REST),
     ]  # fmt: skip
 
@@ -92,8 +92,8 @@ def _push(side: Side) -> list[Key]:
     lean = {"lean_left": 9.0 * sign, "pelvis_left": 4.0 * sign}
     back = {"lean_left": 1.0 * sign, "pelvis_left": 1.0 * sign}
     return [
-        Key(0.42, cocked), Key(0.33, {**pushed, **lean}), Key(0.32, {**cocked, **back}),
-        Key(0.33, {**pushed, **lean}), Key(0.52, REST),
+        Key(0.42, cocked), Key(0.37, {**pushed, **lean}), Key(0.35, {**cocked, **back}),
+        Key(0.37, {**pushed, **lean}), Key(0.52, REST),
     ]  # fmt: skip
 
 
@@ -111,7 +111,7 @@ def _up(_: Side) -> list[Key]:
     """Straight arms beat twice from level to high (ICAO: move upwards)."""
     low = _both(**{"raise": 78, "forward": 4, "bend": 6, "roll": 0})
     high = _both(**{"raise": 142, "forward": 4, "bend": 6, "roll": 0})
-    return [Key(0.45, low), Key(0.34, high), Key(0.34, low), Key(0.34, high), Key(0.58, REST)]
+    return [Key(0.45, low), Key(0.36, high), Key(0.35, low), Key(0.36, high), Key(0.62, REST)]
 
 
 def _down(_: Side) -> list[Key]:
@@ -125,7 +125,7 @@ def _closer(_: Side) -> list[Key]:
     """Level arms, forearms drawn up to the head twice, palms to oneself: come."""
     spread = _both(**{"raise": 86, "forward": 6, "bend": 10, "roll": -85})
     curled = _both(**{"raise": 92, "forward": 6, "bend": 128, "roll": -85})
-    return [Key(0.46, spread), Key(0.35, curled), Key(0.35, spread), Key(0.35, curled), Key(0.55, REST)]
+    return [Key(0.46, spread), Key(0.37, curled), Key(0.36, spread), Key(0.37, curled), Key(0.55, REST)]
 
 
 def _farther(_: Side) -> list[Key]:
@@ -147,7 +147,7 @@ def _orbit(_: Side) -> list[Key]:
             "pelvis_left": -3.0 * sign, **_both(forward=4, bend=6, roll=0),
         }  # fmt: skip
 
-    return [Key(0.5, bank(1)), Key(0.46, bank(-1)), Key(0.46, bank(1)), Key(0.56, REST)]
+    return [Key(0.5, bank(1)), Key(0.48, bank(-1)), Key(0.48, bank(1)), Key(0.6, REST)]
 
 
 COMMAND_SCORES: dict[str, Score] = {
@@ -174,22 +174,22 @@ def _wave(hand: Side) -> list[Key]:
 
 def _scratch_head(hand: Side) -> list[Key]:
     """Scratch the top of the head."""
-    up = {"raise": 112, "forward": 28, "roll": -78}
-    near, far = _one(hand, **up, bend=136), _one(hand, **up, bend=126)
+    near = _one(hand, **{"raise": 142, "forward": 9, "bend": 104, "roll": -62})
+    far = _one(hand, **{"raise": 132, "forward": 12, "bend": 110, "roll": -64})
     tilt = {"tilt": 7.0 if hand == "left" else -7.0, "nod": 8.0}
-    return [Key(0.6, near | tilt), Key(0.16, far), Key(0.16, near), Key(0.16, far), Key(0.16, near),
+    return [Key(0.65, near | tilt), Key(0.2, far), Key(0.2, near), Key(0.2, far), Key(0.2, near),
             Key(0.6, REST)]  # fmt: skip
 
 
 def _hands_on_hips(_: Side) -> list[Key]:
     """Put the hands on the hips for a moment."""
-    akimbo = _both(**{"raise": 44, "forward": -18, "bend": 92, "roll": 70, "shrug": 3})
+    akimbo = _both(**{"raise": 66, "forward": -21, "bend": 122, "roll": 71, "shrug": 3})
     return [Key(0.6, akimbo), Key(0.35, {**akimbo, "lean_left": 3.0}), Key(0.6, REST)]
 
 
 def _look_at_watch(hand: Side) -> list[Key]:
     """Raise the other hand's wrist before the chest and look at it."""
-    wrist = _one(_other(hand), **{"raise": 42, "forward": 62, "bend": 88, "roll": 62})
+    wrist = _one(_other(hand), **{"raise": 49, "forward": 63, "bend": 110, "roll": 48})
     return [Key(0.55, wrist | {"nod": 22.0}), Key(0.45, wrist | {"nod": 24.0}), Key(0.55, REST)]
 
 
@@ -227,38 +227,38 @@ def _point(hand: Side) -> list[Key]:
 
 def _rub_neck(hand: Side) -> list[Key]:
     """Rub the neck."""
-    up = {"raise": 92, "forward": 48, "roll": -62}
-    near, far = _one(hand, **up, bend=146), _one(hand, **up, bend=134)
-    return [Key(0.6, near | {"nod": 14.0}), Key(0.24, far), Key(0.24, near), Key(0.24, far),
+    near = _one(hand, **{"raise": 136, "forward": 30, "bend": 143, "roll": -44})
+    far = _one(hand, **{"raise": 118, "forward": 38, "bend": 143, "roll": -33})
+    return [Key(0.7, near | {"nod": 14.0}), Key(0.24, far), Key(0.24, near), Key(0.24, far),
             Key(0.6, REST)]  # fmt: skip
 
 
 def _phone(hand: Side) -> list[Key]:
     """Take the phone to the ear."""
-    ear = _one(hand, **{"raise": 40, "forward": 42, "bend": 148, "roll": -40})
+    ear = _one(hand, **{"raise": 102, "forward": 44, "bend": 131, "roll": -16})
     tilt = {"tilt": 8.0 if hand == "left" else -8.0}
     return [Key(0.6, ear | tilt), Key(0.5, ear | {"nod": 3.0}), Key(0.6, REST)]
 
 
 def _adjust_hat(_: Side) -> list[Key]:
     """Set the hat right with both hands."""
-    brim = _both(**{"raise": 84, "forward": 42, "bend": 128, "roll": -76})
-    tug = _both(**{"raise": 92, "forward": 38, "bend": 132, "roll": -78})
+    brim = _both(**{"raise": 130, "forward": 17, "bend": 109, "roll": -39})
+    tug = _both(**{"raise": 125, "forward": 17, "bend": 116, "roll": -35})
     return [Key(0.6, brim | {"nod": 6.0}), Key(0.25, tug), Key(0.25, brim), Key(0.6, REST)]
 
 
 def _clap(_: Side) -> list[Key]:
     """Clap three times in front of the chest."""
-    apart = _both(**{"raise": 40, "forward": 58, "bend": 84, "roll": 0})
-    clap = _both(**{"raise": 40, "forward": 72, "bend": 88, "roll": 27})
+    apart = _both(**{"raise": 28, "forward": 55, "bend": 110, "roll": 0})
+    clap = _both(**{"raise": 39, "forward": 73, "bend": 100, "roll": 31})
     return [Key(0.48, apart), Key(0.15, clap), Key(0.17, apart), Key(0.15, clap), Key(0.17, apart),
             Key(0.15, clap), Key(0.5, REST)]  # fmt: skip
 
 
 def _arms_crossed(_: Side) -> list[Key]:
     """Fold the arms and let go again."""
-    fold = _both(bend=104, roll=78) | {
-        "left_raise": 36, "left_forward": 62, "right_raise": 44, "right_forward": 66,
+    fold = _both(bend=92, roll=80) | {
+        "left_raise": 47, "left_forward": 86, "right_raise": 42, "right_forward": 84,
     }  # fmt: skip
     return [Key(0.6, fold), Key(0.4, {**fold, "lean_forward": -2.0}), Key(0.6, REST)]
 
@@ -266,15 +266,15 @@ def _arms_crossed(_: Side) -> list[Key]:
 def _throw(hand: Side) -> list[Key]:
     """Throw a ball overarm, past the camera."""
     sign = 1.0 if hand == "right" else -1.0
-    cocked = _one(hand, **{"raise": 96, "forward": -14, "bend": 96, "roll": -92}) | {"twist": -22.0 * sign}
-    thrown = _one(hand, **{"raise": 78, "forward": 62, "bend": 14, "roll": -40}) | {"twist": 20.0 * sign}
-    return [Key(0.55, cocked), Key(0.26, thrown | {"lean_forward": 10.0}), Key(0.65, REST)]
+    cocked = _one(hand, **{"raise": 96, "forward": -14, "bend": 92, "roll": -88}) | {"twist": -16.0 * sign}
+    thrown = _one(hand, **{"raise": 78, "forward": 55, "bend": 20, "roll": -60}) | {"twist": 14.0 * sign}
+    return [Key(0.58, cocked), Key(0.36, thrown | {"lean_forward": 10.0}), Key(0.65, REST)]
 
 
 def _wipe_brow(hand: Side) -> list[Key]:
     """Wipe the forehead with the forearm."""
-    start = _one(hand, **{"raise": 86, "forward": 62, "bend": 128, "roll": -38})
-    end = _one(hand, **{"raise": 88, "forward": 30, "bend": 122, "roll": -62})
+    start = _one(hand, **{"raise": 123, "forward": 72, "bend": 96, "roll": 40})
+    end = _one(hand, **{"raise": 115, "forward": 25, "bend": 112, "roll": -29})
     return [Key(0.58, start | {"nod": 8.0}), Key(0.4, end), Key(0.6, REST)]
 
 
@@ -364,7 +364,9 @@ def perform(name: str, person: Person, seed: int | Sequence[int] = 0) -> Perform
     if name not in SCORES:
         raise InputError(f"There is no simulated gesture {name!r}. Available gestures: {sorted(SCORES)}.")
     rng = np.random.default_rng([person.seed, sorted(SCORES).index(name), *np.atleast_1d(seed)])
-    tracks = _tracks(SCORES[name](person.handedness), person, rng)
+    preferred = person.handedness
+    hand = preferred if rng.random() < 0.8 else _other(preferred)
+    tracks = _tracks(SCORES[name](hand), person, rng)
     end = max(times[-1] for times, _ in tracks.values())
     clock = np.arange(int(np.ceil(end * TABLE_HZ)) + 2) / TABLE_HZ
     table = np.zeros((len(clock), len(CHANNELS)))

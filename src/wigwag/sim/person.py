@@ -181,7 +181,7 @@ class Person:
 
         shoulder_half = length("left_shoulder", "right_shoulder") / 2
         hip_half = length("left_hip", "right_hip") / 2
-        sizes = {
+        sizes: dict[str, Any] = {
             "spine_m": length("hip_center", "spine"),
             "chest_m": length("spine", "shoulder_center"),
             "neck_m": length("shoulder_center", "head"),
