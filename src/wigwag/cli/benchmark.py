@@ -1,0 +1,30 @@
+"""``wigwag benchmark``: remake every published figure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import tyro
+
+from wigwag.cli.benchmark_lift import LiftBenchmark
+from wigwag.cli.benchmark_utd_mhad import UtdMhadBenchmark
+
+
+@dataclass(frozen=True)
+class Benchmark:
+    """Remake the published figures; each benchmark prints a table and writes JSON records."""
+
+    benchmark: tyro.conf.OmitArgPrefixes[
+        tyro.conf.OmitSubcommandPrefixes[
+            Annotated[UtdMhadBenchmark, tyro.conf.subcommand("utd-mhad")]
+            | Annotated[LiftBenchmark, tyro.conf.subcommand("lift")]
+        ]
+    ]
+
+    def run(self) -> int:
+        """Run the chosen benchmark and return its exit code."""
+        return self.benchmark.run()
+
+
+__all__ = ["Benchmark"]

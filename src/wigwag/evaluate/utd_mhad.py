@@ -1,0 +1,297 @@
+"""The paper's table: recognisers on UTD-MHAD, by protocol and class set, timed from raw clip to label."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+from typing import Protocol as TypingProtocol
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from wigwag.errors import InputError
+from wigwag.evaluate.metrics import (
+    accuracy,
+    confusion,
+    macro_f1,
+    people_interval,
+    t_interval,
+    wilson_interval,
+)
+from wigwag.evaluate.protocols import (
+    CLASS_SETS,
+    Protocol,
+    Split,
+    cross_subject,
+    leave_one_subject_out,
+    of_classes,
+    random_split,
+)
+from wigwag.skeleton import Clip
+
+
+class Recognizer(TypingProtocol):
+    """What is benchmarked: a scikit-learn estimator over lists of clips."""
+
+    def fit(self, clips: Sequence[Clip]) -> object:
+        """Learn from labelled clips."""
+        ...
+
+    def predict(self, clips: Sequence[Clip]) -> Sequence[str]:
+        """Return a label a clip."""
+        ...
+
+
+def _heavy(seed: int) -> Recognizer:
+    from wigwag.recognise import HeavyRecognizer
+
+    recognizer: Recognizer = HeavyRecognizer(random_state=seed)
+    return recognizer
+
+
+def _encoded(seed: int) -> Recognizer:
+    from wigwag.recognise import EncodedRecognizer
+
+    recognizer: Recognizer = EncodedRecognizer(random_state=seed)
+    return recognizer
+
+
+RECOGNIZERS: dict[str, Callable[[int], Recognizer]] = {"heavy": _heavy, "encoded": _encoded}
+"""Name to a maker that takes the seed."""
+
+SEEDLESS: frozenset[str] = frozenset({"heavy"})
+"""Recognisers that decide the same whatever the seed: where the split is fixed, one run says all."""
+
+PAPER: dict[tuple[str, str], tuple[float, float]] = {
+    ("heavy", "27"): (98.27, 2083.0),
+    ("heavy", "6"): (98.72, 1513.0),
+    ("heavy", "7"): (95.56, 1594.0),
+    ("encoded", "27"): (83.24, 138.0),
+    ("encoded", "6"): (97.44, 38.0),
+    ("encoded", "7"): (86.67, 39.0),
+}
+"""Accuracy in per cent and milliseconds a case that the paper reports (random split, an Intel NUC)."""
+
+Progress = Callable[[str, int, int], None]
+"""Called with (which split, steps done, steps in all); a step is a fit or a case."""
+
+
+@dataclass(slots=True)
+class Run:
+    """One split: what was shown, what was recognised, how long it took."""
+
+    split: Split
+    seed: int
+    truth: list[str]
+    predicted: list[str]
+    people: list[str]
+    names: list[str]
+    fit_s: float
+    case_s: list[float]
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One row of the table: a recogniser under a protocol on a class set."""
+
+    recognizer: str
+    """A name of ``RECOGNIZERS``."""
+    protocol: Protocol
+    """How clips are parted."""
+    classes: str
+    """``"27"``, ``"6"`` or ``"7"``."""
+
+    def __str__(self) -> str:
+        return f"{self.recognizer}, {self.protocol}, {self.classes} classes"
+
+
+@dataclass(slots=True)
+class Result:
+    """What came out of a row."""
+
+    row: Row
+    runs: list[Run] = field(default_factory=list)
+
+    def confusion(self) -> Int[np.ndarray, "classes classes"]:
+        """Count cases over all runs: a row a true class, a column a predicted one."""
+        return np.asarray(sum(self._counts(run) for run in self.runs))
+
+    def record(self, seed: int) -> dict[str, Any]:
+        """Return the flat record of this row. Shares are 0 to 1.
+
+        ``accuracy_std`` and ``accuracy_ci95`` are over the random splits (Student's t; over the cases by
+        Wilson's score if there is one split alone); for the other two protocols the deviation is that
+        between test people and the interval a bootstrap of whole people. ``fit_s`` and ``total_s`` (all
+        test clips, one after the other) are means over splits.
+        """
+        if self.row.protocol == "random":
+            accuracies = [accuracy(run.truth, run.predicted) for run in self.runs]
+            mean = float(np.mean(accuracies))
+            macro = float(np.mean([macro_f1(self._counts(run)) for run in self.runs]))
+            if len(accuracies) > 1:
+                method, interval = "t over splits", t_interval(accuracies)
+                deviation = float(np.std(accuracies, ddof=1))
+            else:
+                run = self.runs[0]
+                right = sum(t == p for t, p in zip(run.truth, run.predicted, strict=True))
+                method, interval, deviation = "Wilson", wilson_interval(right, len(run.truth)), 0.0
+        else:
+            right_by_case, people = self._by_case()
+            mean = float(right_by_case.mean())
+            per_person = [right_by_case[people == person].mean() for person in np.unique(people)]
+            deviation = float(np.std(per_person, ddof=1)) if len(per_person) > 1 else 0.0
+            method, interval = "bootstrap of people", people_interval(right_by_case, list(people), seed)
+            macro = float(
+                np.mean(
+                    [
+                        macro_f1(np.sum([self._counts(run) for run in self.runs if run.seed == s], axis=0))
+                        for s in {run.seed for run in self.runs}
+                    ]
+                )
+            )
+        case_ms = 1e3 * np.concatenate([run.case_s for run in self.runs])
+        return {
+            "recognizer": self.row.recognizer,
+            "protocol": self.row.protocol,
+            "classes": int(self.row.classes),
+            "n_train": round(np.mean([len(run.split.train) for run in self.runs])),
+            "n_test": round(np.mean([len(run.split.test) for run in self.runs])),
+            "accuracy_mean": mean,
+            "accuracy_std": deviation,
+            "accuracy_ci95": list(interval),
+            "ci95_method": method,
+            "macro_f1_mean": macro,
+            "fit_s": float(np.mean([run.fit_s for run in self.runs])),
+            "ms_per_case_median": float(np.median(case_ms)),
+            "ms_per_case_p95": float(np.quantile(case_ms, 0.95)),
+            "total_s": float(np.mean([sum(run.case_s) for run in self.runs])),
+            "seeds": len({run.seed for run in self.runs}),
+            "splits": len(self.runs),
+        }
+
+    def _counts(self, run: Run) -> Int[np.ndarray, "classes classes"]:
+        return confusion(run.truth, run.predicted, CLASS_SETS[self.row.classes])
+
+    def _by_case(self) -> tuple[Float[np.ndarray, " cases"], np.ndarray]:
+        """Return for each test clip the share of seeds under which it is right, and whose it is."""
+        right: dict[str, list[bool]] = {}
+        people: dict[str, str] = {}
+        for run in self.runs:
+            for name, person, truth, predicted in zip(
+                run.names, run.people, run.truth, run.predicted, strict=True
+            ):
+                right.setdefault(name, []).append(truth == predicted)
+                people[name] = person
+        return (
+            np.array([np.mean(right[name]) for name in right]),
+            np.array([people[name] for name in right]),
+        )
+
+
+def plan(clips: Sequence[Clip], row: Row, seeds: Sequence[int]) -> list[tuple[Split, int]]:
+    """Return the splits to run, each with the recogniser's seed.
+
+    Random splits: one a seed. Cross-subject: the one split, a run a seed (one if the recogniser does not
+    depend on it). Leave one subject out: a split a person, with the first seed.
+    """
+    if row.protocol == "random":
+        return [(random_split(clips, seed), seed) for seed in seeds]
+    if row.protocol == "cross-subject":
+        split = cross_subject(clips)
+        return [(split, seed) for seed in (seeds[:1] if row.recognizer in SEEDLESS else seeds)]
+    return [(split, seeds[0]) for split in leave_one_subject_out(clips)]
+
+
+def run_row(
+    clips: Sequence[Clip], row: Row, seeds: Sequence[int], progress: Progress | None = None
+) -> Result:
+    """Run one row of the table: fit and predict under every split of a protocol, in one thread.
+
+    Args:
+        clips: Of all classes; those of the class set are kept.
+        row: Which recogniser, protocol and classes.
+        seeds: Of splits and recogniser, one or more.
+        progress: Called before each split and after each case.
+
+    Raises:
+        InputError: If there is no such recogniser, or the clips cannot be split that way.
+    """
+    if row.recognizer not in RECOGNIZERS:
+        raise InputError(f"recognizer must be one of {', '.join(RECOGNIZERS)}, but got {row.recognizer!r}.")
+    kept = of_classes(clips, row.classes)
+    splits = plan(kept, row, seeds)
+    result = Result(row)
+    total, done = sum(1 + len(split.test) for split, _ in splits), 0
+    with one_thread():
+        for split, seed in splits:
+
+            def step(steps: int, name: str = split.name, before: int = done) -> None:
+                if progress is not None:
+                    progress(name, before + steps, total)
+
+            result.runs.append(_run(kept, row.recognizer, split, seed, step))
+            done += 1 + len(split.test)
+    return result
+
+
+def warm_up(clips: Sequence[Clip], recognizer: str) -> None:
+    """Let a recogniser compile what it compiles on first use, so that no case is charged for it."""
+    labels = sorted({str(clip.label) for clip in clips})[:3]
+    some = {(clip.label, clip.subject): clip for clip in clips if clip.label in labels}
+    few = list(some.values())[:12]
+    with one_thread():
+        estimator = RECOGNIZERS[recognizer](0)
+        estimator.fit(few)
+        estimator.predict(few[:2])
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Hold numpy's, scikit-learn's and numba's thread pools to one thread."""
+    import numba
+    from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]  # ships no types
+
+    threads = numba.get_num_threads()
+    numba.set_num_threads(1)
+    try:
+        with threadpool_limits(limits=1):
+            yield
+    finally:
+        numba.set_num_threads(threads)
+
+
+def _run(
+    clips: Sequence[Clip], recognizer: str, split: Split, seed: int, step: Callable[[int], object]
+) -> Run:
+    estimator = RECOGNIZERS[recognizer](seed)
+    step(0)
+    start = time.perf_counter()
+    estimator.fit([clips[i] for i in split.train])
+    fit_s = time.perf_counter() - start
+    predicted: list[str] = []
+    case_s: list[float] = []
+    for done, i in enumerate(split.test, start=1):
+        bare = Clip(clips[i].joints, clips[i].stamps_ns, name="case")  # no label, no person to peek at
+        start = time.perf_counter()
+        answer = estimator.predict([bare])
+        case_s.append(time.perf_counter() - start)
+        predicted.append(str(answer[0]))
+        step(done + 1)
+    return Run(
+        split=split,
+        seed=seed,
+        truth=[str(clips[i].label) for i in split.test],
+        predicted=predicted,
+        people=[str(clips[i].subject) for i in split.test],
+        names=[clips[i].name for i in split.test],
+        fit_s=fit_s,
+        case_s=case_s,
+    )
+
+
+__all__ = [
+    "PAPER", "RECOGNIZERS", "Recognizer", "Result", "Row", "Run", "one_thread", "plan", "run_row", "warm_up",
+]  # fmt: skip
