@@ -99,7 +99,7 @@ def locate(
             _check(file, path)
             return path
     if folder:
-        raise ModelError(f"{folder / file.name}: there is no such file. {_by_hand(file, environ)}")
+        raise ModelError(f"{folder / file.name}: there is no such file. {by_hand(file, environ)}")
     if (path := cache_folder(environ) / file.name).is_file():
         _check(file, path)
         return path
@@ -127,14 +127,14 @@ def find_model(
     if path := locate(file, folder, environ):
         return path
     if file.member is None:
-        raise ModelError(f"{file.name} is not on this machine. {_by_hand(file, environ)}")
+        raise ModelError(f"{file.name} is not on this machine. {by_hand(file, environ)}")
     cache = cache_folder(environ)
     try:
         with tempfile.TemporaryDirectory(prefix="wigwag-") as temporary:
             (fetch or fetch_wheel)(Path(temporary))
             _unpack(Path(temporary), cache, [DETECTOR, *LANDMARKERS.values(), file])
     except (ModelError, OSError, zipfile.BadZipFile) as error:
-        raise ModelError(f"{file.name} could not be fetched: {error} {_by_hand(file, environ)}") from error
+        raise ModelError(f"{file.name} could not be fetched: {error} {by_hand(file, environ)}") from error
     path = cache / file.name
     _check(file, path)
     return path
@@ -209,14 +209,12 @@ def _unpack(folder: Path, cache: Path, files: Sequence[ModelFile]) -> None:
 
 def _write_whole(path: Path, data: bytes) -> None:
     """Write so that a file is there as a whole or not at all, also when two processes fetch at once."""
-    handle, temporary = tempfile.mkstemp(prefix=f".{path.name}-", dir=path.parent)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(data)
+        temporary.write_bytes(data)
         os.replace(temporary, path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    finally:
+        temporary.unlink(missing_ok=True)
 
 
 def _check(file: ModelFile, path: Path) -> None:
@@ -231,7 +229,8 @@ def _check(file: ModelFile, path: Path) -> None:
         )
 
 
-def _by_hand(file: ModelFile, environ: Mapping[str, str]) -> str:
+def by_hand(file: ModelFile, environ: Mapping[str, str] = os.environ) -> str:
+    """Say how a person places a network where wigwag finds it."""
     if file.member:
         source = (
             f"on a machine with a network run 'python -m pip download --no-deps {' '.join(_WHEEL_TAGS)} "

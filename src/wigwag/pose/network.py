@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -31,8 +35,9 @@ class PictureNetwork:
         from ai_edge_litert.interpreter import Interpreter
 
         try:
-            self._interpreter: Any = Interpreter(str(path), num_threads=threads)
-            self._interpreter.allocate_tensors()
+            with _native_stderr_closed():
+                self._interpreter: Any = Interpreter(str(path), num_threads=threads)
+                self._interpreter.allocate_tensors()
         except (RuntimeError, ValueError) as error:
             raise ModelError(f"{path}: LiteRT cannot load this network ({error}).") from error
         entry = self._interpreter.get_input_details()[0]
@@ -80,3 +85,21 @@ class PictureNetwork:
                 "Is it another network or version?"
             )
         return np.asarray(self._interpreter.get_tensor(index))
+
+
+@contextmanager
+def _native_stderr_closed() -> Iterator[None]:
+    """Keep LiteRT's greeting, which no setting turns off, out of the user's terminal."""
+    try:
+        sys.stderr.flush()
+        kept = os.dup(2)
+    except (OSError, AttributeError, ValueError):  # there is no standard error here
+        yield
+        return
+    try:
+        with open(os.devnull, "wb") as nowhere:
+            os.dup2(nowhere.fileno(), 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)

@@ -20,6 +20,8 @@ RIGHT: Color = (255, 140, 40)
 """RGB of the person's right side."""
 MIDDLE: Color = (120, 230, 140)
 """RGB of what joins both sides, and of the face."""
+MISSING: Color = (255, 96, 96)
+"""RGB of a banner that says that something is not there."""
 _OUTLINE: Color = (20, 24, 30)
 _DOT: Color = (250, 250, 250)
 _FONT = cv2.FONT_HERSHEY_DUPLEX
@@ -152,4 +154,4 @@ def _faded(color: Color, visibility: float) -> Color:
     return red, green, blue
 
 
-__all__ = ["LEFT", "MIDDLE", "RIGHT", "draw_banner", "draw_body", "draw_skeleton"]
+__all__ = ["LEFT", "MIDDLE", "MISSING", "RIGHT", "draw_banner", "draw_body", "draw_skeleton"]
