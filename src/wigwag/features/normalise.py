@@ -33,21 +33,21 @@ class Normalisation:
         InputError: If a setting is not one of those named.
     """
 
-    origin: Literal["hips", "start", "drift"] = "hips"
+    origin: Literal["hips", "start", "drift"] = "drift"
     """``"hips"``: the midpoint of the hips, frame by frame (paper). ``"start"``: the midpoint of the hips
     over the first frames, so that walking and sitting down stay visible. ``"drift"``: frame by frame
     sideways and in depth, of the first frames in height: sitting down stays visible, a drifting camera
     does not."""
-    size: Literal["torso", "arms"] = "torso"
+    size: Literal["torso", "arms"] = "arms"
     """``"torso"``: the larger of torso length times ``torso_multiplier`` and the largest distance of a
     landmark from the origin (paper). ``"arms"``: four times the mean length of upper arm and forearm,
     which depends neither on where a pose network puts the hips nor on how far the arms reach."""
-    size_over: Literal["frame", "clip"] = "frame"
+    size_over: Literal["frame", "clip"] = "clip"
     """Divide each frame by its own size (paper), or the clip by the median over its frames."""
     upright: Literal["no", "frame", "clip"] = "no"
     """Turn hip centre -> shoulder centre to point up: not at all, frame by frame, or all frames by the
     one turn that does it for the first frames."""
-    face_camera: bool = False
+    face_camera: bool = True
     """Turn the clip about the vertical so that the shoulders and hips of its first frames stand square
     to the camera."""
     torso_multiplier: float = 2.5
@@ -73,7 +73,8 @@ class Normalisation:
     @classmethod
     def paper(cls, *, upright: bool = False) -> Normalisation:
         """Return the paper's form: every stage frame by frame, the optional third one on request."""
-        return cls(origin="hips", size="torso", size_over="frame", upright="frame" if upright else "no")
+        turn: Literal["no", "frame"] = "frame" if upright else "no"
+        return cls(origin="hips", size="torso", size_over="frame", upright=turn, face_camera=False)
 
     def apply(self, clip: Clip) -> Clip:
         """Return the normalised clip; stamps, label, subject and name stay."""

@@ -28,10 +28,10 @@ class Preparation:
     """Frames a second after linear resampling; ``None`` keeps the clip's own frames."""
     smooth_s: float = 0.1
     """Standard deviation of the Gaussian that smooths each coordinate over time, seconds; 0: none."""
-    trim: float = 0.1
+    trim: float = 0.2
     """Rest at both ends is cut off: frames whose mean joint speed is below this fraction of the clip's
     highest; 0: none."""
-    frames: int | None = None
+    frames: int | None = 32
     """Resample to this many frames in all, whatever the duration; ``None``: keep the duration."""
 
     def __post_init__(self) -> None:

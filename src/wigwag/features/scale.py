@@ -23,10 +23,11 @@ class FrameScaler(TransformerMixin, BaseEstimator):  # type: ignore[misc]  # sci
         method: ``"minmax"``: minimum and maximum become -1 and 1 (paper, section 3). ``"quantile"``: the
             1st and 99th percentile do, so that one noisy frame does not decide how much an acceleration
             counts. ``"std"``: mean 0, standard deviation 1/3.
+        weights: How many times each feature counts in a distance, after it is scaled; ``None``: once.
 
     Attributes:
         center_: What becomes 0, for each feature.
-        half_range_: What becomes 1 above it, for each feature.
+        half_range_: How far above it a feature becomes 1, for each feature.
 
     Raises:
         InputError: From ``fit``, if the method is not known or there is no frame.
@@ -36,8 +37,13 @@ class FrameScaler(TransformerMixin, BaseEstimator):  # type: ignore[misc]  # sci
     center_: Float[np.ndarray, " features"]
     half_range_: Float[np.ndarray, " features"]
 
-    def __init__(self, method: Literal["minmax", "quantile", "std"] = "minmax") -> None:
+    def __init__(
+        self,
+        method: Literal["minmax", "quantile", "std"] = "minmax",
+        weights: Float[np.ndarray, " features"] | None = None,
+    ) -> None:
         self.method = method
+        self.weights = weights
 
     def fit(self, sequences: Sequence[Float[np.ndarray, "frames features"]], y: object = None) -> Self:
         """Learn the range of each feature from all frames of the training sequences."""
@@ -65,6 +71,8 @@ class FrameScaler(TransformerMixin, BaseEstimator):  # type: ignore[misc]  # sci
         # What counts as constant is relative: rounding alone moves a large constant a little.
         constant = half <= 1e-6 * np.maximum(1.0, np.abs(self.center_))
         self.half_range_ = np.where(constant, 1.0, half)
+        if self.weights is not None:
+            self.half_range_ = self.half_range_ / self.weights
         return self
 
     def transform(

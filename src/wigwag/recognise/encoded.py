@@ -39,6 +39,7 @@ class EncodedRecognizer(NearestRecognizer):
         k: As in :class:`~wigwag.recognise.HeavyRecognizer`, and so are the parameters below.
         triples: See there.
         scaling: See there.
+        motion_weight: See there.
         preparation: See there.
         normalisation: See there.
         null_confidence: See there.
@@ -64,6 +65,7 @@ class EncodedRecognizer(NearestRecognizer):
         k: int | None = None,
         triples: Literal["adjacent", "all"] = "adjacent",
         scaling: Literal["minmax", "quantile", "std"] = "minmax",
+        motion_weight: float = 3.0,
         preparation: Preparation | None = None,
         normalisation: Normalisation | None = None,
         null_confidence: float | None = None,
@@ -79,6 +81,7 @@ class EncodedRecognizer(NearestRecognizer):
         self.k = k
         self.triples = triples
         self.scaling = scaling
+        self.motion_weight = motion_weight
         self.preparation = preparation
         self.normalisation = normalisation
         self.null_confidence = null_confidence
@@ -94,7 +97,7 @@ class EncodedRecognizer(NearestRecognizer):
                 )
         self._start()
         sequences = self._embedding.transform([self._normalised(clip) for clip in clips])
-        scaler = FrameScaler(self.scaling).fit(sequences)
+        scaler = self._fit_scaler(sequences)
         every = max(1, -(-sum(map(len, sequences)) // self.max_frames))
         frames = scaler.scale(np.concatenate(sequences)[::every])
         self._fold(scaler, *self._train(frames))

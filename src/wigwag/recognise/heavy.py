@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal, Self
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -26,6 +26,8 @@ class HeavyRecognizer(NearestRecognizer):
         triples: ``"adjacent"`` (1821 features) or ``"all"`` (4251), see
             :class:`~wigwag.features.Embedding`.
         scaling: How features are made comparable, see :class:`~wigwag.features.FrameScaler`.
+        motion_weight: How many times velocities and displacements count among the scaled features. The
+            paper's 1 lets them drown among the many positions and angles.
         preparation: What is done to a clip in time; ``None``: the default.
         normalisation: What is done to it in space; ``None``: the default.
         null_confidence: ``recognise`` gives no label below this confidence; ``None``: chosen on training
@@ -59,6 +61,7 @@ class HeavyRecognizer(NearestRecognizer):
         k: int | None = None,
         triples: Literal["adjacent", "all"] = "adjacent",
         scaling: Literal["minmax", "quantile", "std"] = "minmax",
+        motion_weight: float = 3.0,
         preparation: Preparation | None = None,
         normalisation: Normalisation | None = None,
         null_confidence: float | None = None,
@@ -69,6 +72,7 @@ class HeavyRecognizer(NearestRecognizer):
         self.k = k
         self.triples = triples
         self.scaling = scaling
+        self.motion_weight = motion_weight
         self.preparation = preparation
         self.normalisation = normalisation
         self.null_confidence = null_confidence
@@ -76,22 +80,11 @@ class HeavyRecognizer(NearestRecognizer):
         self.false_reject = false_reject
         self.random_state = random_state
 
-    @classmethod
-    def as_in_paper(cls, triples: Literal["adjacent", "all"] = "adjacent", k: int | None = None) -> Self:
-        """Return the paper's plain form: clips as recorded, normalised frame by frame, min-max scaling."""
-        return cls(
-            k=k,
-            triples=triples,
-            scaling="minmax",
-            preparation=Preparation.none(),
-            normalisation=Normalisation.paper(),
-        )
-
     def _learn(self, clips: Sequence[Clip]) -> list[Float[np.ndarray, "frames features"]]:
         self._start()
         self._references = [self._normalised(clip) for clip in clips]
         sequences = self._embedding.transform(self._references)
-        self._scaler = FrameScaler(self.scaling).fit(sequences)
+        self._scaler = self._fit_scaler(sequences)
         return self._scaler.transform(sequences)
 
     def _sequence(self, clip: Clip) -> Float[np.ndarray, "frames features"]:

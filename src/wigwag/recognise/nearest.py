@@ -13,7 +13,7 @@ from sklearn.base import BaseEstimator, ClassifierMixin
 
 from wigwag.distances import NearestSequences
 from wigwag.errors import InputError, NotFittedError
-from wigwag.features import Embedding, Normalisation, Preparation
+from wigwag.features import Embedding, FrameScaler, Normalisation, Preparation
 from wigwag.gesture import Gesture
 from wigwag.recognise import store
 from wigwag.recognise.confidence import (
@@ -38,6 +38,8 @@ class NearestRecognizer(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  
 
     k: int | None
     triples: Literal["adjacent", "all"]
+    scaling: Literal["minmax", "quantile", "std"]
+    motion_weight: float
     preparation: Preparation | None
     normalisation: Normalisation | None
     null_confidence: float | None
@@ -47,6 +49,21 @@ class NearestRecognizer(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  
 
     classes_: np.ndarray
     k_: int
+
+    @classmethod
+    def as_in_paper(cls, **settings: Any) -> Self:
+        """Return the paper's plain form: clips as recorded, normalised frame by frame, features alike.
+
+        Args:
+            settings: Any other parameters of the recogniser.
+        """
+        plain: dict[str, Any] = {
+            "preparation": Preparation.none(),
+            "normalisation": Normalisation.paper(),
+            "scaling": "minmax",
+            "motion_weight": 1.0,
+        }
+        return cls(**(plain | settings))
 
     # -- what a subclass brings -------------------------------------------------------------------------
 
@@ -73,6 +90,13 @@ class NearestRecognizer(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  
         self._preparation = self.preparation or Preparation()
         self._normalisation = self.normalisation or Normalisation()
         self._embedding = Embedding(self.triples).fit()
+
+    def _fit_scaler(self, sequences: list[np.ndarray]) -> FrameScaler:
+        if not self.motion_weight > 0:
+            raise InputError(f"motion_weight must be positive, but got {self.motion_weight}.")
+        linear = [name.split(".")[1] in ("velocity", "displacement") for name in self._embedding.names_]
+        weights = np.where(linear, self.motion_weight, 1.0)
+        return FrameScaler(self.scaling, weights).fit(sequences)
 
     def _normalised(self, clip: Clip) -> Clip:
         return self._normalisation.apply(self._preparation.apply(clip))
