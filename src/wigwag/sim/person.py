@@ -198,7 +198,8 @@ class Person:
         }
         tall = sizes["spine_m"] + sizes["chest_m"] + sizes["neck_m"] + sizes["hip_drop_m"]
         tall += sizes["thigh_m"] + sizes["shin_m"]
-        height = tall / 0.87
+        # Middle of the head down to the ankles is 0.9 of the stature (UTD-MHAD's skeletons).
+        height = tall / 0.9
         base = cls.random(seed)
         habits: dict[str, Any] = {
             name: getattr(base, name) for name in cls.__slots__ if name not in (*_SHARES, "seed", "height_m")

@@ -17,6 +17,9 @@ _INTO_BODY = np.array([[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 """Kinect (the person's right +x, y up, z away from the camera) to body (forward, left, up): the person
 who faces the camera looks along -z."""
 
+_SINKING_M_S = 0.6
+"""Greatest speed of the hips when the operator sits down to begin a recording."""
+
 
 @dataclass(frozen=True, slots=True)
 class Replay:
@@ -29,8 +32,8 @@ class Replay:
     left, z up, the ground at 0, the hip centre of the first row above the origin."""
     blend_s: tuple[float, float] = (0.4, 0.4)
     """Seconds of moving from standing into the first row, and out of the last."""
-    hold_s: float = 0.0
-    """Seconds of keeping still in the first row, and again in the last."""
+    hold_s: tuple[float, float] = (0.0, 0.0)
+    """Seconds of keeping still in the first row, and in the last."""
 
     @property
     def recording_s(self) -> float:
@@ -40,12 +43,12 @@ class Replay:
     @property
     def lead_s(self) -> float:
         """Seconds before the recording begins."""
-        return self.blend_s[0] + self.hold_s
+        return self.blend_s[0] + self.hold_s[0]
 
     @property
     def duration_s(self) -> float:
         """Seconds from standing to standing."""
-        return self.lead_s + self.recording_s + self.hold_s + self.blend_s[1]
+        return self.lead_s + self.recording_s + self.hold_s[1] + self.blend_s[1]
 
     def at(self, since_s: float) -> Float[np.ndarray, "20 3"]:
         """Return the recorded body ``since_s`` seconds after its start, held at either end."""
@@ -68,8 +71,8 @@ def replay(
     name: str = "recording",
     *,
     smooth_s: float = 0.04,
-    hold_s: float = 0.0,
     blend_s: float = 0.4,
+    settle_s: float = 0.7,
 ) -> Replay:
     """Make a recorded skeleton ready to be shown.
 
@@ -79,8 +82,9 @@ def replay(
         rate_hz: Frames a second of the recording; UTD-MHAD's true rate is about 18.75.
         name: For error messages.
         smooth_s: Standard deviation of the Gaussian that takes out the sensor's jitter; 0: none.
-        hold_s: Seconds of stillness before and after the recording.
-        blend_s: Least time for moving into and out of the recording; far poses (sitting) take longer.
+        blend_s: Time for moving from standing into the recording and back. An end at which the recorded
+            person sits or stoops takes longer, as long as sitting down does.
+        settle_s: Seconds of stillness at an end of that kind, as people sit before they stand up.
 
     Raises:
         InputError: If the shape is wrong, there are fewer than two frames, or a joint is not finite.
@@ -101,7 +105,21 @@ def replay(
     table = CubicSpline(times, body, axis=0)(rows)
     table[..., :2] -= table[0, JOINT["hip_center"], :2]
     table[..., 2] -= _ground(table)
-    return Replay(name, np.asarray(table), (blend_s, blend_s), hold_s)
+    sunk = [_sunk_m(table, row) for row in (0, -1)]
+    blends = [max(blend_s, 1.875 * depth / _SINKING_M_S) for depth in sunk]  # min-jerk peaks at 1.875 x mean
+    holds = [settle_s if depth > 0.12 else 0.0 for depth in sunk]
+    return Replay(name, np.asarray(table), (blends[0], blends[1]), (holds[0], holds[1]))
+
+
+def _sunk_m(table: Float[np.ndarray, "rows 20 3"], row: int) -> float:
+    """How much lower the hips are in a row than the recording's legs would hold them, metres."""
+    legs, height = 0.0, 0.0
+    for side in ("left", "right"):
+        hip, knee, ankle = (table[:, JOINT[f"{side}_{name}"]] for name in ("hip", "knee", "ankle"))
+        lengths = np.linalg.norm(hip - knee, axis=1) + np.linalg.norm(knee - ankle, axis=1)
+        legs += float(np.median(lengths)) / 2
+        height += float(hip[row, 2] - ankle[row, 2]) / 2
+    return max(0.0, legs - height)
 
 
 def _ground(table: Float[np.ndarray, "rows 20 3"]) -> float:
