@@ -28,14 +28,13 @@ class LiftBenchmark:
 
     def run(self) -> int:
         """Measure, print the table, write the records."""
-        from rich.console import Console
         from rich.progress import Progress
 
-        from wigwag.cli.benchmark_text import say_left_out
+        from wigwag.cli.benchmark_text import say_left_out, wide_console
         from wigwag.evaluate.lift import measure_lift
         from wigwag.evaluate.records import Records, command_line
 
-        console = Console()
+        console = wide_console()
         records = Records(self.json, command_line("wigwag benchmark lift", self), self.seed)
         with Progress(console=console, transient=True) as progress:
             task = progress.add_task("Lifting", total=None)

@@ -120,38 +120,24 @@ class Result:
         return np.asarray(sum(self._counts(run) for run in self.runs))
 
     def record(self, seed: int) -> dict[str, Any]:
-        """Return the flat record of this row. Shares are 0 to 1.
+        """Return the flat record of this row. Shares are 0 to 1; a split's figures are means over splits.
 
-        ``accuracy_std`` and ``accuracy_ci95`` are over the random splits (Student's t; over the cases by
-        Wilson's score if there is one split alone); for the other two protocols the deviation is that
-        between test people and the interval a bootstrap of whole people. ``fit_s`` and ``total_s`` (all
-        test clips, one after the other) are means over splits.
+        ``accuracy_std`` and ``accuracy_ci95`` are over the splits for the random protocol (Student's t). For
+        the other two, the deviation is that between test people and the interval a bootstrap of whole
+        people. Where there is one random split alone, or no case at all is wrong, Wilson's score over the
+        clips judged stands in: the other two would give an interval of no width.
         """
-        if self.row.protocol == "random":
-            accuracies = [accuracy(run.truth, run.predicted) for run in self.runs]
-            mean = float(np.mean(accuracies))
-            macro = float(np.mean([macro_f1(self._counts(run)) for run in self.runs]))
-            if len(accuracies) > 1:
-                method, interval = "t over splits", t_interval(accuracies)
-                deviation = float(np.std(accuracies, ddof=1))
-            else:
-                run = self.runs[0]
-                right = sum(t == p for t, p in zip(run.truth, run.predicted, strict=True))
-                method, interval, deviation = "Wilson", wilson_interval(right, len(run.truth)), 0.0
+        right, people = self._by_case()
+        accuracies = [accuracy(run.truth, run.predicted) for run in self.runs]
+        random = self.row.protocol == "random"
+        mean = float(np.mean(accuracies) if random else right.mean())
+        spread = accuracies if random else [right[people == person].mean() for person in np.unique(people)]
+        if right.all() or (random and len(accuracies) == 1):
+            method, interval = "Wilson", wilson_interval(round(right.sum()), len(right))
+        elif random:
+            method, interval = "t over splits", t_interval(accuracies)
         else:
-            right_by_case, people = self._by_case()
-            mean = float(right_by_case.mean())
-            per_person = [right_by_case[people == person].mean() for person in np.unique(people)]
-            deviation = float(np.std(per_person, ddof=1)) if len(per_person) > 1 else 0.0
-            method, interval = "bootstrap of people", people_interval(right_by_case, list(people), seed)
-            macro = float(
-                np.mean(
-                    [
-                        macro_f1(np.sum([self._counts(run) for run in self.runs if run.seed == s], axis=0))
-                        for s in {run.seed for run in self.runs}
-                    ]
-                )
-            )
+            method, interval = "bootstrap of people", people_interval(right, list(people), seed)
         case_ms = 1e3 * np.concatenate([run.case_s for run in self.runs])
         return {
             "recognizer": self.row.recognizer,
@@ -160,23 +146,30 @@ class Result:
             "n_train": round(np.mean([len(run.split.train) for run in self.runs])),
             "n_test": round(np.mean([len(run.split.test) for run in self.runs])),
             "accuracy_mean": mean,
-            "accuracy_std": deviation,
+            "accuracy_std": float(np.std(spread, ddof=1)) if len(spread) > 1 else 0.0,
             "accuracy_ci95": list(interval),
             "ci95_method": method,
-            "macro_f1_mean": macro,
+            "macro_f1_mean": float(np.mean([macro_f1(counts) for counts in self._tables()])),
             "fit_s": float(np.mean([run.fit_s for run in self.runs])),
             "ms_per_case_median": float(np.median(case_ms)),
             "ms_per_case_p95": float(np.quantile(case_ms, 0.95)),
             "total_s": float(np.mean([sum(run.case_s) for run in self.runs])),
             "seeds": len({run.seed for run in self.runs}),
             "splits": len(self.runs),
+            "cases": len(right),
         }
+
+    def _tables(self) -> list[Int[np.ndarray, "classes classes"]]:
+        """Return the confusion of each run; of leave-one-subject-out, whose runs make one whole, the sum."""
+        if self.row.protocol == "loso":
+            return [self.confusion()]
+        return [self._counts(run) for run in self.runs]
 
     def _counts(self, run: Run) -> Int[np.ndarray, "classes classes"]:
         return confusion(run.truth, run.predicted, CLASS_SETS[self.row.classes])
 
     def _by_case(self) -> tuple[Float[np.ndarray, " cases"], np.ndarray]:
-        """Return for each test clip the share of seeds under which it is right, and whose it is."""
+        """Return for each clip judged the share of runs in which it is right, and whose it is."""
         right: dict[str, list[bool]] = {}
         people: dict[str, str] = {}
         for run in self.runs:
