@@ -8,9 +8,9 @@ from enum import IntEnum
 import numpy as np
 from jaxtyping import Float
 
-from wigwag.skeleton import KINECT20
 from wigwag.sim.paint import Look
 from wigwag.sim.shapes import Shapes, Surface, linear_rgb
+from wigwag.skeleton import KINECT20
 
 _AT = {name: i for i, name in enumerate(KINECT20)}
 
@@ -147,9 +147,8 @@ def _parts(look: Look) -> list[_Part]:
     g = s * look.girth
     skin, hair, shirt = (linear_rgb(c) for c in (look.skin, look.hair, look.shirt))
     trousers, shoes = linear_rgb(look.trousers), linear_rgb(look.shoes)
-    belt = linear_rgb("#241d19")
     return [
-        *_trunk(g, skin, shirt, linear_rgb(look.stripe) if look.stripe else shirt, trousers, belt, look),
+        *_trunk(g, skin, shirt, linear_rgb(look.shirt_below or look.shirt), trousers),
         *_head(s, skin, hair, look),
         *_arm("left", s, g, skin, shirt, look),
         *_arm("right", s, g, skin, shirt, look),
@@ -158,46 +157,43 @@ def _parts(look: Look) -> list[_Part]:
     ]
 
 
-def _trunk(
-    g: float, skin: Vector, shirt: Vector, stripe: Vector, trousers: Vector, belt: Vector, look: Look
-) -> list[_Part]:
-    cloth = (shirt, stripe)
-    cut = 0.4 if look.stripe else 1.0
+def _trunk(g: float, skin: Vector, shirt: Vector, below: Vector, trousers: Vector) -> list[_Part]:
     chest, pelvis = _Frame.CHEST, _Frame.PELVIS
+    belt = linear_rgb("#241d19")
     return [
         _Part(  # ribs
-            {"spine": 0.75, "shoulder_center": 0.25}, {"spine": 0.2, "shoulder_center": 0.8},
-            (0.142 * g, 0.155 * g), cloth, chest, (0.005, 0.0, -0.04), (0.01, 0.0, -0.09),
-            (0.68, 1.0, 1.0), Surface.SHIRT, cut,
+            {"spine": 0.8, "shoulder_center": 0.2}, {"spine": 0.15, "shoulder_center": 0.85},
+            (0.138 * g, 0.15 * g), (shirt, shirt), chest, (0.005, 0.0, -0.05), (0.008, 0.0, -0.115),
+            (0.7, 1.0, 1.0),
         ),
         _Part(  # belly
-            {"hip_center": 0.85, "spine": 0.15}, {"spine": 1.0}, (0.148 * g, 0.14 * g), cloth, pelvis,
-            (0.005, 0.0, 0.035), (0.005, 0.0, 0.02), (0.7, 1.0, 1.0), Surface.SHIRT, cut,
+            {"hip_center": 0.5, "spine": 0.5}, {"spine": 0.9, "shoulder_center": 0.1},
+            (0.139 * g, 0.137 * g), (below, below), pelvis, (0.008, 0.0, 0.04), (0.005, 0.0, 0.0),
+            (0.71, 1.0, 1.0),
         ),
         _Part(  # chest from armpit to armpit
-            {"left_shoulder": 0.72, "right_shoulder": 0.28}, {"left_shoulder": 0.28, "right_shoulder": 0.72},
-            (0.105 * g, 0.105 * g), cloth, chest, (0.012, 0.0, -0.075), (0.012, 0.0, -0.075),
-            (0.9, 1.0, 1.0), Surface.SHIRT, cut,
+            {"left_shoulder": 0.76, "right_shoulder": 0.24}, {"left_shoulder": 0.24, "right_shoulder": 0.76},
+            (0.096 * g, 0.096 * g), (shirt, shirt), chest, (0.008, 0.0, -0.045), (0.008, 0.0, -0.045),
+            (0.98, 1.0, 1.0),
         ),
         *(
             _Part(  # slope from neck to shoulder
-                {"shoulder_center": 0.9, f"{side}_shoulder": 0.1}, {f"{side}_shoulder": 1.0},
-                (0.06 * g, 0.058 * g), (shirt, shirt), chest, (-0.005, 0.0, -0.025), (0.0, 0.0, 0.0),
+                {"shoulder_center": 1.0}, {f"{side}_shoulder": 1.0}, (0.066 * g, 0.058 * g),
+                (shirt, shirt), chest, (-0.008, 0.0, -0.045), (0.0, 0.0, 0.0),
             )
             for side in ("left", "right")
         ),
-        _Part(  # hips
-            {"left_hip": 0.75, "hip_center": 0.25}, {"right_hip": 0.75, "hip_center": 0.25},
-            (0.104 * g, 0.104 * g), (trousers, trousers), pelvis, (-0.008, 0.012, -0.01),
-            (-0.008, -0.012, -0.01), (0.95, 1.0, 1.0),
+        _Part(  # pelvis
+            {"hip_center": 1.0}, {"left_hip": 0.5, "right_hip": 0.5}, (0.142 * g, 0.146 * g),
+            (trousers, trousers), pelvis, (0.003, 0.0, -0.045), (-0.005, 0.0, -0.015), (0.73, 1.0, 1.0),
         ),
         _Part(  # belt
-            {"hip_center": 1.0}, {"hip_center": 1.0}, (0.156 * g, 0.156 * g), (belt, belt), pelvis,
-            (0.004, 0.0, 0.052), (0.004, 0.0, 0.052), (0.72, 1.0, 0.17),
+            {"hip_center": 1.0}, {"hip_center": 1.0}, (0.146 * g, 0.146 * g), (belt, belt), pelvis,
+            (0.005, 0.0, 0.035), (0.005, 0.0, 0.035), (0.73, 1.0, 0.16),
         ),
         _Part(  # neck
             {"shoulder_center": 1.0}, {"head": 0.6, "shoulder_center": 0.4}, (0.06 * g, 0.052 * g),
-            (shirt, skin), chest, (0.0, 0.0, -0.02), (-0.01, 0.0, 0.0), cut=0.18,
+            (shirt, skin), chest, (0.0, 0.0, -0.03), (-0.01, 0.0, 0.0), cut=0.12,
         ),
     ]  # fmt: skip
 
@@ -239,11 +235,11 @@ def _arm(side: str, s: float, g: float, skin: Vector, shirt: Vector, look: Look)
     frame = _Frame.LEFT_HAND if side == "left" else _Frame.RIGHT_HAND
     thumb = -0.03 * s if side == "left" else 0.03 * s
     return [
-        _Part({shoulder: 1.0}, {shoulder: 1 - look.sleeve, elbow: look.sleeve}, (0.06 * g, 0.053 * g),
+        _Part({shoulder: 1.0}, {shoulder: 1 - look.sleeve, elbow: look.sleeve}, (0.058 * g, 0.051 * g),
               (shirt, shirt)),
-        _Part({shoulder: 1.0}, {elbow: 1.0}, (0.05 * g, 0.041 * g), (skin, skin)),
-        _Part({elbow: 1.0}, {elbow: 0.7, wrist: 0.3}, (0.041 * g, 0.042 * g), (skin, skin)),
-        _Part({elbow: 0.7, wrist: 0.3}, {wrist: 1.0}, (0.042 * g, 0.027 * g), (skin, skin)),
+        _Part({shoulder: 1.0}, {elbow: 1.0}, (0.046 * g, 0.038 * g), (skin, skin)),
+        _Part({elbow: 1.0}, {elbow: 0.7, wrist: 0.3}, (0.038 * g, 0.039 * g), (skin, skin)),
+        _Part({elbow: 0.7, wrist: 0.3}, {wrist: 1.0}, (0.039 * g, 0.026 * g), (skin, skin)),
         _Part({wrist: 1.0}, {hand: 1.0}, (0.032 * s, 0.042 * s), (skin, skin), frame,
               stretch=(0.6, 1.0, 1.0)),
         _Part({hand: 1.0}, {hand: 1.0}, (0.04 * s, 0.028 * s), (skin, skin), frame,

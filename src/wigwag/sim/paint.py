@@ -32,8 +32,8 @@ class Look:
     skin: str = "#d29b73"
     hair: str = "#2e211a"
     shirt: str = "#c8372f"
-    stripe: str | None = None
-    """Colour of horizontal stripes on the shirt."""
+    shirt_below: str | None = None
+    """Colour of the shirt below the ribs; the shirt's own if ``None``."""
     trousers: str = "#22304f"
     shoes: str = "#e8e6e2"
     beard: bool = False
@@ -59,10 +59,12 @@ class Look:
         # Trousers that the shirt can be told from, so that the waist is seen.
         trousers = str(rng.choice([c for c in TROUSERS if _contrast(c, shirt) > 0.06]))
         shoes = str(rng.choice([c for c in SHOES if _contrast(c, trousers) > 0.05]))
-        stripe = str(rng.choice([c for c in SHIRTS if c != shirt])) if rng.random() < 0.3 else None
+        below = str(rng.choice([c for c in SHIRTS if c != shirt])) if rng.random() < 0.25 else None
+        skin = str(rng.choice(SKIN))
+        hair = str(rng.choice([c for c in HAIR if _contrast(c, skin) > 0.09]))
         drawn = float(rng.uniform(1.58, 1.92))
         return cls(
-            skin=str(rng.choice(SKIN)), hair=str(rng.choice(HAIR)), shirt=shirt, stripe=stripe,
+            skin=skin, hair=hair, shirt=shirt, shirt_below=below,
             trousers=trousers, shoes=shoes, beard=bool(rng.random() < 0.25),
             long_hair=bool(rng.random() < 0.35), shorts=bool(rng.random() < 0.2),
             sleeve=float(rng.uniform(0.55, 0.85)), height_m=drawn if height_m is None else height_m,

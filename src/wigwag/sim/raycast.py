@@ -16,8 +16,11 @@ FAR = np.float32(1e9)
 """Depth of a pixel that sees no shape."""
 NEAR_M = 0.15
 """Nothing closer than this is drawn."""
-LOCAL = 20
-"""Columns of the per-shape table: map 9, end 3, axis 3, length, two radii, sine, cosine squared."""
+COLUMNS = 29
+"""Of the table of placed shapes: map 9, end 3, axis 3, length, two radii, sine, cosine squared; then what
+paints it: is a box, surface, cut, two colours 6."""
+BOX, SURFACE, CUT, FIRST, SECOND = 20, 21, 22, 23, 26
+"""Where in that table."""
 
 
 @njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
@@ -26,19 +29,22 @@ def place(
     b: Float64[np.ndarray, "shapes 3"],
     radii: Float64[np.ndarray, "shapes 2"],
     maps: Float64[np.ndarray, "shapes 3 3"],
+    paint: Float64[np.ndarray, "shapes 9"],
     position: Float64[np.ndarray, 3],
     rotation: Float64[np.ndarray, "3 3"],
     camera: Float64[np.ndarray, 6],
-    local: Float64[np.ndarray, "shapes 20"],
+    placed: Float64[np.ndarray, "shapes 29"],
     boxes: Int64[np.ndarray, "shapes 4"],
 ) -> None:
-    """Bring shapes into the camera's view: fill ``local`` and the screen ``boxes`` (u0, v0, u1, v1).
+    """Bring shapes into the camera's view: fill ``placed`` and the screen ``boxes`` (u0, v0, u1, v1).
 
     A shape that the camera cannot see gets an empty box. ``camera`` is fx, fy, cx, cy, width, height.
     """
     fx, fy, cx, cy, width, height = camera
     for i in range(a.shape[0]):
-        row = local[i]
+        row = placed[i]
+        for k in range(9):
+            row[BOX + k] = paint[i, k]
         for r in range(3):
             for c in range(3):
                 row[3 * r + c] = (
@@ -73,7 +79,7 @@ def place(
         row[15], row[16], row[17], row[18], row[19] = length, ra, rb, sine, 1 - sine * sine
 
         u0, v0, u1, v1 = 1e9, 1e9, -1e9, -1e9
-        hidden = True
+        behind, beyond_left, beyond_right, above, below = True, True, True, True, True
         for end in range(2):
             px = (b[i, 0] if end else a[i, 0]) - position[0]
             py = (b[i, 1] if end else a[i, 1]) - position[1]
@@ -82,8 +88,12 @@ def place(
             y = rotation[1, 0] * px + rotation[1, 1] * py + rotation[1, 2] * pz
             z = rotation[2, 0] * px + rotation[2, 1] * py + rotation[2, 2] * pz
             r_end = radii[i, end]
-            if z + r_end > NEAR_M:
-                hidden = False
+            # Distance of the end's centre from the planes that bound the view, against its radius.
+            behind = behind and z + r_end < NEAR_M
+            beyond_left = beyond_left and fx * x + cx * z < -r_end * math.hypot(fx, cx)
+            beyond_right = beyond_right and fx * x - (width - cx) * z > r_end * math.hypot(fx, width - cx)
+            above = above and fy * y + cy * z < -r_end * math.hypot(fy, cy)
+            below = below and fy * y - (height - cy) * z > r_end * math.hypot(fy, height - cy)
             front = z - r_end
             if front < NEAR_M:  # reaches beside or behind the lens: look everywhere
                 u0, v0, u1, v1 = 0.0, 0.0, width, height
@@ -95,6 +105,7 @@ def place(
             u1 = max(u1, cx + fx * right / (front if right > 0 else back))
             v0 = min(v0, cy + fy * upper / (front if upper < 0 else back))
             v1 = max(v1, cy + fy * lower / (front if lower > 0 else back))
+        hidden = behind or beyond_left or beyond_right or above or below
         if hidden or u1 < 0 or v1 < 0 or u0 >= width or v0 >= height:
             boxes[i, 0], boxes[i, 1], boxes[i, 2], boxes[i, 3] = 0, 0, 0, 0
         else:
@@ -168,12 +179,12 @@ def hit_box(dx: float, dy: float, dz: float, ax: float, ay: float, az: float) ->
 
 
 @njit(cache=True, fastmath=True, inline="always")  # type: ignore[untyped-decorator]
-def hit(row: Float64[np.ndarray, 20], is_box: bool, x: float, y: float) -> float:
+def hit(row: Float64[np.ndarray, 29], x: float, y: float) -> float:
     """Depth at which the pixel's ray (x, y, 1) enters one placed shape, or ``FAR``."""
     dx = row[0] * x + row[1] * y + row[2]
     dy = row[3] * x + row[4] * y + row[5]
     dz = row[6] * x + row[7] * y + row[8]
-    if is_box:
+    if row[BOX] > 0.0:
         return hit_box(dx, dy, dz, row[9], row[10], row[11])
     return hit_capsule(
         dx, dy, dz, row[9], row[10], row[11], row[12], row[13], row[14],
@@ -183,25 +194,23 @@ def hit(row: Float64[np.ndarray, 20], is_box: bool, x: float, y: float) -> float
 
 @njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
 def cast(
-    local: Float64[np.ndarray, "shapes 20"],
+    placed: Float64[np.ndarray, "shapes 29"],
     boxes: Int64[np.ndarray, "shapes 4"],
-    is_box: np.ndarray,
     camera: Float64[np.ndarray, 6],
     nearest: Float32[np.ndarray, "height width"],
     seen: Int16[np.ndarray, "height width"],
 ) -> None:
     """Fill ``nearest`` with depth in metres and ``seen`` with the shape's index; -1 and ``FAR``: none."""
-    fx, fy, cx, cy = camera[0], camera[1], camera[2], camera[3]
+    per_fx, per_fy, cx, cy = 1.0 / camera[0], 1.0 / camera[1], camera[2], camera[3]
     nearest[:] = FAR
     seen[:] = -1
-    for i in range(local.shape[0]):
+    for i in range(placed.shape[0]):
         u0, v0, u1, v1 = boxes[i]
-        row = local[i]
-        box = is_box[i]
+        row = placed[i]
         for v in range(v0, v1):
-            y = (v - cy) / fy
+            y = (v - cy) * per_fy
             for u in range(u0, u1):
-                t = hit(row, box, (u - cx) / fx, y)
+                t = hit(row, (u - cx) * per_fx, y)
                 if t < nearest[v, u]:
                     nearest[v, u] = t
                     seen[v, u] = i

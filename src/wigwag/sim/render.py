@@ -11,12 +11,10 @@ from jaxtyping import Float, UInt8, UInt16
 from wigwag.camera.frame import Intrinsics
 from wigwag.sim.body import BodyPainter
 from wigwag.sim.paint import Look
-from wigwag.sim.raycast import LOCAL, cast, place
+from wigwag.sim.raycast import COLUMNS, cast, place
 from wigwag.sim.scene import Scene
-from wigwag.sim.shade import backdrop, resolve, shade, shadows, tone_curve
+from wigwag.sim.shade import backdrop, resolve, shadows, tone_curve
 from wigwag.sim.shapes import Shapes
-
-__all__ = ["CameraPose", "Renderer", "shade"]
 
 _LENS = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
 """Body FLU directions into camera optical ones: right, down, forward."""
@@ -123,15 +121,18 @@ class Renderer:
         position = np.ascontiguousarray(camera.position_m, dtype=np.float64)
         rotation = np.ascontiguousarray(camera.rotation, dtype=np.float64)
         all_of = Shapes.joined([*solids, scene.shapes])
-        local = np.empty((len(all_of), LOCAL))
+        placed = np.empty((len(all_of), COLUMNS))
         boxes = np.empty((len(all_of), 4), np.int64)
         rgb = np.empty((k.height, k.width, 3), np.uint8)
         depth = np.empty((k.height, k.width), np.uint16)
-        place(all_of.a, all_of.b, all_of.radii, all_of.maps, position, rotation, self._camera, local, boxes)
-        cast(local, boxes, all_of.is_box, self._camera, self._nearest, self._seen)
+        place(
+            all_of.a, all_of.b, all_of.radii, all_of.maps, all_of.paint, position, rotation,
+            self._camera, placed, boxes,
+        )  # fmt: skip
+        cast(placed, boxes, self._camera, self._nearest, self._seen)
         backdrop(
             rgb, depth, self._camera, position, rotation, scene.ground.texels, scene.ground.starts,
-            scene.ground.texel_m, scene.levels, scene.fog, scene.sky, scene.clouds, scene.skyline,
+            scene.ground.texel_m, scene.levels, scene.patches, scene.sky, scene.clouds, scene.skyline,
         )  # fmt: skip
         shadows(
             rgb, depth, self._camera, position, rotation, all_of.a, all_of.b, all_of.radii, scene.sun,
@@ -139,8 +140,8 @@ class Renderer:
         )  # fmt: skip
         light = np.concatenate([rotation @ scene.sun, rotation[:, 2], scene.strengths])
         resolve(
-            rgb, depth, self._nearest, self._seen, boxes, self._camera, local, all_of.is_box,
-            all_of.surface, all_of.colours, all_of.cut, rotation, position, light, self._tones,
+            rgb, depth, self._nearest, self._seen, boxes, self._camera, placed, rotation, position, light,
+            scene.leaves, self._tones,
         )  # fmt: skip
         return rgb, depth
 

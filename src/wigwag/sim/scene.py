@@ -65,12 +65,21 @@ class Scene:
         self.skyline = _skyline(rng)
         near = np.zeros((1, 2)) if clear is None else np.asarray(clear, float)
         self.shapes = _clutter(rng, config.clutter, near)
-        distance = np.arange(256) / 2
-        self.fog: Float32[np.ndarray, " 256"] = np.asarray(1 - np.exp(-distance / 70), dtype=np.float32)
-        # The level whose texel is about as large as a pixel's patch of ground, which is long and narrow:
-        # between its length (t^2 / h f) and its width (t / f), for a camera 1.5 m up.
-        patch = np.sqrt((distance**2 / (1.5 * 615)) * (distance / 615) + 1e-12)
-        self.levels = np.clip(np.round(np.log2(patch / _TEXEL_M + 1e-9)), 0, 9).astype(np.int64)
+        self.leaves = _leaves(rng)
+        self.patches = np.asarray(1 + 0.09 * _noise(rng, 256, 1.3), dtype=np.float32).clip(0.7, 1.3)
+        self.levels = _levels(k=_TEXEL_M)
+
+
+def _levels(k: float) -> Float32[np.ndarray, "256 2"]:
+    """Which texture to read and what haze leaves of it, by distance in half metres.
+
+    A pixel's patch of ground is long and narrow: the level's texel, ``k`` metres doubled each time, lies
+    between its length (t^2 / h f) and its width (t / f), for a camera 1.5 m up.
+    """
+    distance = np.arange(256) / 2 + 0.25
+    patch = np.sqrt((distance**2 / (1.5 * 615)) * (distance / 615))
+    level = np.clip(np.round(np.log2(patch / k)), 0, 9)
+    return np.stack([level, np.exp(-distance / 70)], axis=1).astype(np.float32)
 
 
 def _noise(rng: np.random.Generator, side: int, slope: float) -> Float[np.ndarray, "side side"]:
@@ -113,6 +122,11 @@ def _clouds(rng: np.random.Generator) -> Float32[np.ndarray, "256 256"]:
     return np.asarray(np.clip(0.5 * _noise(rng, 256, 1.7), 0, 0.85), dtype=np.float32)
 
 
+def _leaves(rng: np.random.Generator) -> Float32[np.ndarray, "256 256"]:
+    """Light and dark of foliage, 0 to 1."""
+    return np.asarray(np.clip(0.5 + 0.28 * _noise(rng, 256, 0.8), 0, 1), dtype=np.float32)
+
+
 def _skyline(rng: np.random.Generator) -> Float[np.ndarray, " 720"]:
     """Slope of the far trees' tops, by azimuth."""
     f = np.fft.rfftfreq(720) * 720
@@ -143,12 +157,12 @@ def _clutter(rng: np.random.Generator, count: int, clear: Float[np.ndarray, "poi
 
 def _tree(rng: np.random.Generator, spot: Float[np.ndarray, 2]) -> Shapes:
     height = rng.uniform(3.5, 6.0)
-    foot, top = np.array([*spot, -0.2]), np.array([*(spot + rng.normal(0, 0.1, 2)), 0.65 * height])
+    foot, top = np.array([*spot, 0.1]), np.array([*(spot + rng.normal(0, 0.1, 2)), 0.65 * height])
     bark = np.array([linear_rgb("#5b4636")] * 2)
     trunk = Shapes.capsules(foot[None], top[None], np.array([[0.17, 0.1]]), bark[None])
-    n = 5
-    centres = top + rng.normal(0, [0.55, 0.55, 0.45], (n, 3)) * height / 5
-    size = rng.uniform(0.55, 0.95, n) * height / 5
+    n = 4
+    centres = top + rng.normal(0, [0.45, 0.45, 0.35], (n, 3)) * height / 5
+    size = rng.uniform(0.5, 0.85, n) * height / 5
     dark, light = rng.choice(["#35502a", "#2d4a30", "#465a2c"]), rng.choice(["#6f8f3f", "#5f8a4a", "#8a9a48"])
     colours = np.broadcast_to(np.array([linear_rgb(dark), linear_rgb(light)]), (n, 2, 3))
     crown = Shapes.capsules(centres, centres, np.stack([size, size], axis=1), colours, Surface.LEAVES)

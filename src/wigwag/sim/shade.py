@@ -8,10 +8,10 @@ import numpy as np
 from jaxtyping import Float64, UInt8
 from numba import njit
 
-from wigwag.sim.raycast import FAR, hit
+from wigwag.sim.raycast import BOX, CUT, FAR, FIRST, SECOND, SURFACE, hit
 from wigwag.sim.shapes import Surface
 
-_FACE, _SHIRT, _SHOE = int(Surface.FACE), int(Surface.SHIRT), int(Surface.SHOE)
+_FACE, _SHOE = int(Surface.FACE), int(Surface.SHOE)
 _LEAVES, _PLANKS = int(Surface.LEAVES), int(Surface.PLANKS)
 _TONES = 2048
 
@@ -61,20 +61,19 @@ def _face(
 
 @njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
 def shade(
-    i: int, t: float, x: float, y: float, local: np.ndarray, is_box: np.ndarray, surface: np.ndarray,
-    colours: np.ndarray, cut: np.ndarray, rotation: np.ndarray, position: np.ndarray, light: np.ndarray,
+    row: np.ndarray, t: float, x: float, y: float, rotation: np.ndarray, position: np.ndarray,
+    light: np.ndarray, leaves: np.ndarray,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Linear colour of shape ``i`` where the ray (x, y, 1) meets it at depth ``t``.
+    """Linear colour of a placed shape where the ray (x, y, 1) meets it at depth ``t``.
 
     ``light`` holds, in the camera optical frame, the unit vector to the sun (3) and up (3), then the
-    strength of sun, sky and ground light.
+    strength of sun, sky and ground light. ``leaves`` is seamless noise, 0 to 1.
     """
-    row = local[i]
     px = t * (row[0] * x + row[1] * y + row[2]) - row[9]
     py = t * (row[3] * x + row[4] * y + row[5]) - row[10]
     pz = t * (row[6] * x + row[7] * y + row[8]) - row[11]
     along = 0.0
-    if is_box[i]:
+    if row[BOX] > 0.0:
         ax, ay, az = abs(px), abs(py), abs(pz)
         top = max(ax, ay, az)
         nx = math.copysign(1.0, px) if ax == top else 0.0
@@ -92,34 +91,28 @@ def shade(
     size = math.sqrt(cx * cx + cy * cy + cz * cz)
     cx, cy, cz = cx / size, cy / size, cz / size
 
-    paint = surface[i]
-    first, second = colours[i, 0], colours[i, 1]
-    which = first if along <= cut[i] else second
-    r, g, b = which[0], which[1], which[2]
+    paint = int(row[SURFACE])
+    at = FIRST if along <= row[CUT] else SECOND
+    r, g, b = row[at], row[at + 1], row[at + 2]
     if paint == _FACE:
-        r, g, b = _face(px / row[16], py / row[16], pz / row[16], first, second, cut[i])
-    elif paint == _SHIRT:
-        r, g, b = first[0], first[1], first[2]
-        if cut[i] < 1.0 and math.sin(6.2832 * pz / 0.075) > 1.0 - 2.0 * cut[i]:
-            r, g, b = second[0], second[1], second[2]
+        size = row[16]
+        r, g, b = _face(px / size, py / size, pz / size, row[FIRST:SECOND], row[SECOND:], row[CUT])
     elif paint == _SHOE:
-        low = pz < -0.55 * row[16]
-        r, g, b = (second[0], second[1], second[2]) if low else (first[0], first[1], first[2])
+        at = SECOND if pz < -0.55 * row[16] else FIRST
+        r, g, b = row[at], row[at + 1], row[at + 2]
     elif paint == _LEAVES:
         wx = t * (rotation[0, 0] * x + rotation[1, 0] * y + rotation[2, 0]) + position[0]
         wy = t * (rotation[0, 1] * x + rotation[1, 1] * y + rotation[2, 1]) + position[1]
         wz = t * (rotation[0, 2] * x + rotation[1, 2] * y + rotation[2, 2]) + position[2]
-        m = 0.5 + 0.25 * (
-            math.sin(7.1 * wx + 2.0 * math.sin(3.7 * wz)) * math.sin(6.3 * wy + 2.0 * math.sin(4.1 * wx))
-            + math.sin(13.0 * wz + 3.0 * math.sin(5.0 * wy)) * math.sin(11.0 * (wx + wy))
-        )
-        r = first[0] + m * (second[0] - first[0])
-        g = first[1] + m * (second[1] - first[1])
-        b = first[2] + m * (second[2] - first[2])
+        mask = leaves.shape[0] - 1
+        m = leaves[int(34.0 * (wx + wz) + 1e5) & mask, int(34.0 * (wy - 0.8 * wz) + 1e5) & mask]
+        r += m * (row[SECOND] - r)
+        g += m * (row[SECOND + 1] - g)
+        b += m * (row[SECOND + 2] - b)
     elif paint == _PLANKS:
-        line = pz * 4.0 - math.floor(pz * 4.0)
-        if line < 0.07:
-            r, g, b = second[0], second[1], second[2]
+        line = pz * 2.0 - math.floor(pz * 2.0)
+        if line < 0.06:
+            r, g, b = row[SECOND], row[SECOND + 1], row[SECOND + 2]
 
     sun = max(0.0, cx * light[0] + cy * light[1] + cz * light[2])
     up = cx * light[3] + cy * light[4] + cz * light[5]
@@ -135,85 +128,96 @@ def shade(
 @njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
 def backdrop(
     rgb: np.ndarray, depth: np.ndarray, camera: np.ndarray, position: np.ndarray, rotation: np.ndarray,
-    ground: np.ndarray, ground_start: np.ndarray, texel_m: float, levels: np.ndarray, fog: np.ndarray,
+    ground: np.ndarray, starts: np.ndarray, texel_m: float, levels: np.ndarray, patches: np.ndarray,
     sky: np.ndarray, clouds: np.ndarray, skyline: np.ndarray,
 ) -> None:  # fmt: skip
     """Paint ground, sky and a far row of trees, and write the ground's depth in millimetres.
 
     ``ground`` is a flat stack of square textures (packed RGB), each half the size of the one before;
-    ``levels`` and ``fog`` say by distance in half metres which one to read and how hazy it is there.
-    ``skyline`` gives the height of the far trees by azimuth as a slope.
+    ``levels`` holds, by distance in half metres, which one to read and how hazy it is there. ``patches``
+    are large stains that hide the texture's repetition. ``skyline`` gives the far trees' height by
+    azimuth, as a slope.
     """
-    fx, fy, cx, cy = camera[0], camera[1], camera[2], camera[3]
+    one = np.float32(1.0)
+    per_fx, per_fy = np.float32(1.0 / camera[0]), np.float32(1.0 / camera[1])
+    cx, cy = np.float32(camera[2]), np.float32(camera[3])
     height, width = depth.shape
-    h = max(position[2], 0.05)
-    inverse = 1.0 / texel_m
-    side = 1 << ((len(ground_start) - 2))
-    n_sky = sky.shape[0]
-    n_line = skyline.shape[0]
-    n_cloud = clouds.shape[0]
+    h = np.float32(max(position[2], 0.05))
+    side = 1 << (len(starts) - 2)
+    inverse = np.float32(1.0 / texel_m)
+    # The textures repeat, so the camera's place within one repetition is enough, and small.
+    span = side * 16
+    x0 = np.float32((position[0] / texel_m) % span + 4 * span)
+    y0 = np.float32((position[1] / texel_m) % span + 4 * span)
+    stain_mask = patches.shape[0] - 1
+    n_sky, n_cloud = sky.shape[0], clouds.shape[0] - 1
     hr, hg, hb = sky[0, 0], sky[0, 1], sky[0, 2]
-    # The azimuth changes so little up a column that one value serves the whole of it.
-    tops = np.empty(width, np.float64)
+    tops = _skyline_tops(camera, rotation, skyline, width)
+    rx, ry, rz = np.float32(rotation[0, 0]), np.float32(rotation[0, 1]), np.float32(rotation[0, 2])
+    for v in range(height):
+        y = (np.float32(v) - cy) * per_fy
+        bx = np.float32(rotation[1, 0]) * y + np.float32(rotation[2, 0])
+        by = np.float32(rotation[1, 1]) * y + np.float32(rotation[2, 1])
+        bz = np.float32(rotation[1, 2]) * y + np.float32(rotation[2, 2])
+        for u in range(width):
+            x = (np.float32(u) - cx) * per_fx
+            wz = bz + rz * x
+            wx = bx + rx * x
+            wy = by + ry * x
+            if wz < np.float32(-0.005):
+                t = -h / wz
+                far = min(int(t + t), 255)
+                level = int(levels[far, 0])
+                gx = int(x0 + inverse * t * wx)
+                gy = int(y0 + inverse * t * wy)
+                mask = (side >> level) - 1
+                c = ground[starts[level] + ((gy >> level) & mask) * (mask + 1) + ((gx >> level) & mask)]
+                clear = levels[far, 1]
+                haze = one - clear
+                gain = clear * patches[(gy >> 4) & stain_mask, (gx >> 4) & stain_mask]
+                rgb[v, u, 0] = np.uint8(np.float32(c & 255) * gain + haze * hr)
+                rgb[v, u, 1] = np.uint8(np.float32((c >> 8) & 255) * gain + haze * hg)
+                rgb[v, u, 2] = np.uint8(np.float32(c >> 16) * gain + haze * hb)
+                depth[v, u] = np.uint16(np.float32(1000.0) * t + np.float32(0.5)) if t < 65.0 else 0
+                continue
+            depth[v, u] = 0
+            if wz < tops[u]:
+                high = wz / tops[u]
+                rgb[v, u, 0] = np.uint8(62 + 30 * high)
+                rgb[v, u, 1] = np.uint8(86 + 22 * high)
+                rgb[v, u, 2] = np.uint8(74 + 26 * high)
+                continue
+            k = min(n_sky - 1, int(wz * n_sky))
+            r, g, b = sky[k, 0], sky[k, 1], sky[k, 2]
+            if wz > np.float32(0.06):
+                s = np.float32(24.0) / wz
+                cover = clouds[int(s * wy + 65536) & n_cloud, int(s * wx + 65536) & n_cloud]
+                cover *= min(one, np.float32(5.0) * (wz - np.float32(0.06)))
+                r += (np.float32(250) - r) * cover
+                g += (np.float32(250) - g) * cover
+                b += (np.float32(252) - b) * cover
+            rgb[v, u, 0], rgb[v, u, 1], rgb[v, u, 2] = np.uint8(r), np.uint8(g), np.uint8(b)
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _skyline_tops(
+    camera: np.ndarray, rotation: np.ndarray, skyline: np.ndarray, width: int
+) -> np.ndarray:
+    """Rise of the far trees' tops over each column's unit ray.
+
+    The azimuth changes so little up a column that one value serves the whole of it.
+    """
+    tops = np.empty(width, np.float32)
+    n = skyline.shape[0]
     for u in range(width):
-        x = (u - cx) / fx
-        az = math.atan2(rotation[0, 1] * x + rotation[2, 1], rotation[0, 0] * x + rotation[2, 0])
-        f = (az / (2 * math.pi) + 1.0) * n_line
+        x = (u - camera[2]) / camera[0]
+        east = rotation[0, 0] * x + rotation[2, 0]
+        north = rotation[0, 1] * x + rotation[2, 1]
+        f = (math.atan2(north, east) / (2 * math.pi) + 1.0) * n
         k = int(f)
         w = f - k
-        flat = math.hypot(rotation[0, 1] * x + rotation[2, 1], rotation[0, 0] * x + rotation[2, 0])
-        tops[u] = flat * ((1 - w) * skyline[k % n_line] + w * skyline[(k + 1) % n_line])
-    for v in range(height):
-        y = (v - cy) / fy
-        bx = rotation[1, 0] * y + rotation[2, 0]
-        by = rotation[1, 1] * y + rotation[2, 1]
-        bz = rotation[1, 2] * y + rotation[2, 2]
-        for u in range(width):
-            x = (u - cx) / fx
-            wz = bz + rotation[0, 2] * x
-            wx = bx + rotation[0, 0] * x
-            wy = by + rotation[0, 1] * x
-            if wz < -0.005:
-                t = -h / wz
-                far = int(2.0 * t)
-                if far > 255:
-                    far = 255
-                level = levels[far]
-                gx = position[0] + t * wx
-                gy = position[1] + t * wy
-                mask = (side >> level) - 1
-                iu = int(math.floor(gx * inverse)) >> level
-                iv = int(math.floor(gy * inverse)) >> level
-                c = ground[ground_start[level] + (iv & mask) * (mask + 1) + (iu & mask)]
-                # The same texture again, seventeen times as large, hides that the first one repeats.
-                mask = (side >> 3) - 1
-                iu = int(math.floor(gx * inverse * 0.059)) >> 3
-                iv = int(math.floor(gy * inverse * 0.059)) >> 3
-                c2 = ground[ground_start[3] + (iv & mask) * (mask + 1) + (iu & mask)]
-                gain = np.float32(0.55 + 0.0043 * ((c2 >> 8) & 255))
-                f = fog[far]
-                rgb[v, u, 0] = np.uint8(min(255.0, (c & 255) * gain * (1 - f) + f * hr))
-                rgb[v, u, 1] = np.uint8(min(255.0, ((c >> 8) & 255) * gain * (1 - f) + f * hg))
-                rgb[v, u, 2] = np.uint8(min(255.0, (c >> 16) * gain * (1 - f) + f * hb))
-                depth[v, u] = np.uint16(1000.0 * t + 0.5) if t < 65.0 else np.uint16(0)
-            else:
-                depth[v, u] = 0
-                if wz < tops[u]:
-                    shade_of = wz / tops[u]
-                    rgb[v, u, 0] = np.uint8(62 + 30 * shade_of)
-                    rgb[v, u, 1] = np.uint8(86 + 22 * shade_of)
-                    rgb[v, u, 2] = np.uint8(74 + 26 * shade_of)
-                    continue
-                k = min(n_sky - 1, int(wz * n_sky))
-                r, g, b = sky[k, 0], sky[k, 1], sky[k, 2]
-                if wz > 0.06:
-                    s = 24.0 / wz
-                    c3 = clouds[int(s * wy + 64e3) % n_cloud, int(s * wx + 64e3) % n_cloud]
-                    cover = c3 * min(1.0, 5.0 * (wz - 0.06))
-                    r += (np.float32(250) - r) * cover
-                    g += (np.float32(250) - g) * cover
-                    b += (np.float32(252) - b) * cover
-                rgb[v, u, 0], rgb[v, u, 1], rgb[v, u, 2] = np.uint8(r), np.uint8(g), np.uint8(b)
+        tops[u] = math.hypot(east, north) * ((1 - w) * skyline[k % n] + w * skyline[(k + 1) % n])
+    return tops
 
 
 @njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
@@ -285,13 +289,23 @@ def shadows(
 
 
 @njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
+def _parted(i: int, j: int, zi: float, zj: float, placed: np.ndarray) -> bool:
+    """Whether an edge is seen between neighbouring pixels of shapes ``i`` and ``j``."""
+    if i == j:
+        return False
+    if i < 0 or j < 0 or abs(zi - zj) > 0.01 * zi:
+        return True
+    return bool(placed[i, FIRST] != placed[j, FIRST])
+
+
+@njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
 def resolve(
     rgb: np.ndarray, depth: np.ndarray, nearest: np.ndarray, seen: np.ndarray, boxes: np.ndarray,
-    camera: np.ndarray, local: np.ndarray, is_box: np.ndarray, surface: np.ndarray, colours: np.ndarray,
-    cut: np.ndarray, rotation: np.ndarray, position: np.ndarray, light: np.ndarray, tones: np.ndarray,
+    camera: np.ndarray, placed: np.ndarray, rotation: np.ndarray, position: np.ndarray,
+    light: np.ndarray, leaves: np.ndarray, tones: np.ndarray,
 ) -> None:  # fmt: skip
     """Paint the shapes over the backdrop, with four samples a pixel along their edges and in faces."""
-    fx, fy, cx, cy = camera[0], camera[1], camera[2], camera[3]
+    per_fx, per_fy, cx, cy = 1.0 / camera[0], 1.0 / camera[1], camera[2], camera[3]
     height, width = depth.shape
     u_min, v_min, u_max, v_max = width, height, 0, 0
     for i in range(boxes.shape[0]):
@@ -299,28 +313,34 @@ def resolve(
             u_min, v_min = min(u_min, boxes[i, 0]), min(v_min, boxes[i, 1])
             u_max, v_max = max(u_max, boxes[i, 2]), max(v_max, boxes[i, 3])
     around = np.empty(9, np.int64)
+    paint = np.empty((9, 3), np.float64)
     top = float(len(tones) - 1)
     for v in range(v_min, v_max):
+        y = (v - cy) * per_fy
         for u in range(u_min, u_max):
-            i = seen[v, u]
-            if i >= 0:
-                mm = 1000.0 * nearest[v, u] + 0.5
-                depth[v, u] = np.uint16(mm) if mm < 65535.0 else np.uint16(0)
-            edge = i >= 0 and surface[i] == _FACE
-            if not edge:
+            i, z = seen[v, u], nearest[v, u]
+            left, right = max(u - 1, 0), min(u + 1, width - 1)
+            over, under = max(v - 1, 0), min(v + 1, height - 1)
+            edge = False
+            if seen[v, left] != i or seen[v, right] != i or seen[over, u] != i or seen[under, u] != i:
                 edge = (
-                    (u > 0 and seen[v, u - 1] != i) or (u + 1 < width and seen[v, u + 1] != i)
-                    or (v > 0 and seen[v - 1, u] != i) or (v + 1 < height and seen[v + 1, u] != i)
-                )  # fmt: skip
-            if not edge:
-                if i >= 0:
-                    r, g, b = shade(
-                        i, nearest[v, u], (u - cx) / fx, (v - cy) / fy, local, is_box, surface, colours,
-                        cut, rotation, position, light,
-                    )  # fmt: skip
-                    rgb[v, u, 0] = tones[int(min(1.0, r) * top)]
-                    rgb[v, u, 1] = tones[int(min(1.0, g) * top)]
-                    rgb[v, u, 2] = tones[int(min(1.0, b) * top)]
+                    _parted(i, seen[v, left], z, nearest[v, left], placed)
+                    or _parted(i, seen[v, right], z, nearest[v, right], placed)
+                    or _parted(i, seen[over, u], z, nearest[over, u], placed)
+                    or _parted(i, seen[under, u], z, nearest[under, u], placed)
+                )
+            elif i < 0:
+                continue
+            if i >= 0:
+                depth[v, u] = np.uint16(1000.0 * z + 0.5) if z < 65.0 else np.uint16(0)
+            if i < 0 and not edge:
+                continue
+            face = i >= 0 and placed[i, SURFACE] == _FACE
+            if not (edge or face):
+                r, g, b = shade(placed[i], z, (u - cx) * per_fx, y, rotation, position, light, leaves)
+                rgb[v, u, 0] = tones[int(min(1.0, r) * top)]
+                rgb[v, u, 1] = tones[int(min(1.0, g) * top)]
+                rgb[v, u, 2] = tones[int(min(1.0, b) * top)]
                 continue
             n = 0
             for dv in range(-1, 2):
@@ -332,30 +352,33 @@ def resolve(
                             known = known or around[k] == j
                         if not known:
                             around[n] = j
+                            paint[n, 0] = -1.0
                             n += 1
             sr, sg, sb = 0.0, 0.0, 0.0
             for s in range(4):  # a rotated grid, which smooths flat and steep edges alike
-                x = (u + (0.125, 0.375, -0.125, -0.375)[s] - cx) / fx
-                y = (v + (-0.375, 0.125, 0.375, -0.125)[s] - cy) / fy
+                xs = (u + (0.125, 0.375, -0.125, -0.375)[s] - cx) * per_fx
+                ys = (v + (-0.375, 0.125, 0.375, -0.125)[s] - cy) * per_fy
                 best = float(FAR)
                 which = -1
                 for k in range(n):
-                    j = around[k]
-                    t = hit(local[j], is_box[j], x, y)
+                    t = hit(placed[around[k]], xs, ys)
                     if t < best:
                         best = t
-                        which = j
-                if which >= 0:
-                    r, g, b = shade(
-                        which, best, x, y, local, is_box, surface, colours, cut, rotation, position, light
-                    )
-                    sr += tones[int(min(1.0, r) * top)]
-                    sg += tones[int(min(1.0, g) * top)]
-                    sb += tones[int(min(1.0, b) * top)]
-                else:
+                        which = k
+                if which < 0:
                     sr += rgb[v, u, 0]
                     sg += rgb[v, u, 1]
                     sb += rgb[v, u, 2]
+                    continue
+                # Within one pixel only a face changes its colour.
+                if paint[which, 0] < 0.0 or placed[around[which], SURFACE] == _FACE:
+                    r, g, b = shade(placed[around[which]], best, xs, ys, rotation, position, light, leaves)
+                    paint[which, 0] = tones[int(min(1.0, r) * top)]
+                    paint[which, 1] = tones[int(min(1.0, g) * top)]
+                    paint[which, 2] = tones[int(min(1.0, b) * top)]
+                sr += paint[which, 0]
+                sg += paint[which, 1]
+                sb += paint[which, 2]
             rgb[v, u, 0] = np.uint8(0.25 * sr + 0.5)
             rgb[v, u, 1] = np.uint8(0.25 * sg + 0.5)
             rgb[v, u, 2] = np.uint8(0.25 * sb + 0.5)

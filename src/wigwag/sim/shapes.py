@@ -17,14 +17,12 @@ class Surface(IntEnum):
     PLAIN = 0
     """Colour 0 up to ``cut`` along the axis, colour 1 beyond: a sleeve and the skin after it."""
     FACE = 1
-    """Eyes, brows, mouth, cheeks and beard on skin; the local frame is the head's own."""
-    SHIRT = 2
-    """Colour 0, with stripes of colour 1 if ``cut`` is below 1, and a darker placket in front."""
-    SHOE = 3
+    """Eyes, brows, mouth, cheeks on skin, hair in colour 1; a beard if ``cut`` is 1. Turns with the head."""
+    SHOE = 2
     """Colour 0 above, colour 1 on the sole."""
-    LEAVES = 4
-    """Colour 0 and colour 1 mixed by a noise fixed to the world."""
-    PLANKS = 5
+    LEAVES = 3
+    """Colour 0 and colour 1 mixed by noise that is fixed to the world."""
+    PLANKS = 4
     """Colour 0 with thin lines of colour 1, for boxes."""
 
 
@@ -57,6 +55,12 @@ class Shapes:
 
     def __len__(self) -> int:
         return len(self.a)
+
+    @property
+    def paint(self) -> Float[np.ndarray, "shapes 9"]:
+        """What the compiled renderer needs to paint each: box or not, surface, cut, two colours."""
+        head = np.stack([self.is_box, self.surface, self.cut], axis=1).astype(np.float64)
+        return np.concatenate([head, self.colours.reshape(-1, 6)], axis=1)
 
     @classmethod
     def joined(cls, groups: Sequence[Self]) -> Self:
