@@ -20,14 +20,15 @@ ALL_TRIPLES: tuple[tuple[int, int, int], ...] = tuple(combinations(range(N_LANDM
 """All 286 triples of landmarks."""
 
 ADJACENT_TRIPLES: tuple[tuple[int, int, int], ...] = (
-    (0, 1, 3), (0, 2, 4), (1, 0, 2),  # head and shoulders
+    (0, 1, 3), (0, 2, 4),  # head and shoulders
     (1, 3, 5), (2, 4, 6),  # elbows
     (3, 1, 7), (4, 2, 8), (3, 1, 2), (4, 2, 1),  # armpits, and arms against the shoulder line
     (1, 7, 9), (2, 8, 10), (1, 7, 8), (2, 8, 7),  # hips, and the trunk's lean
     (7, 9, 11), (8, 10, 12),  # knees
-    (9, 7, 8),  # spread of the legs
+    (9, 7, 8), (10, 8, 7),  # spread of the legs
 )  # fmt: skip
-"""16 triples of landmarks that are neighbours in the body; the angle is at the middle one."""
+"""16 triples of landmarks that are neighbours in the body, the same on both sides; the angle is at the
+middle one."""
 
 _SINGLE = (
     "position", "velocity", "acceleration", "angle", "angular_velocity", "angular_acceleration",

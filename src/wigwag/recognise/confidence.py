@@ -101,7 +101,9 @@ class Confidence:
     people who show this gesture), and the share of votes. Right and wrong decisions count alike in total.
 
     ``threshold_`` lets at most ``false_accept`` of the movements that are not a taught gesture pass as
-    one, unless that would turn away more than ``false_reject`` of the right decisions.
+    one, unless that would turn away more than ``false_reject`` of the right decisions. ``novelty_limit_``
+    is twice what nearly every right decision (99 %) stays below: beyond it a movement is unlike anything
+    taught, whatever the margin says.
     """
 
     def __init__(self, false_accept: float = 0.02, false_reject: float = 0.05) -> None:
@@ -166,12 +168,16 @@ class Confidence:
             model = LogisticRegression(class_weight="balanced", C=1.0).fit(rows, right)
             self.weights_, self.offset_ = model.coef_[0], float(model.intercept_[0])
         scores = expit(rows @ self.weights_ + self.offset_) if len(rows) else np.zeros(0)
-        accepted = np.sort(scores[~right])[::-1]
+        wrong = np.sort(scores[~right])[::-1]
         allowed = int(self.false_accept * movements)
-        strict = accepted[allowed] if len(accepted) > allowed else 0.0
-        kind = np.quantile(scores[right], self.false_reject) if right.any() else 0.5
-        # Just above the first that must not pass.
-        self.threshold_ = float(min(np.nextafter(strict, 1.0), kind))
+        kind = float(np.quantile(scores[right], self.false_reject)) if right.any() else 0.5
+        if len(wrong) == 0:  # nothing to guard against was ever seen
+            self.threshold_ = kind
+        else:  # just above the first that must not pass
+            strict = np.nextafter(wrong[allowed], 1.0) if len(wrong) > allowed else 0.0
+            self.threshold_ = float(min(strict, kind))
+        usual = np.quantile(rows[right, 1], 0.99) if right.any() else np.log(2.0)
+        self.novelty_limit_ = 2.0 * float(np.exp(max(usual, 0.0)))
         self.rates_ = {
             "false_accept": float(np.sum(scores[~right] >= self.threshold_) / max(movements, 1)),
             "false_reject": float(np.mean(scores[right] < self.threshold_)) if right.any() else 0.0,

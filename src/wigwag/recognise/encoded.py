@@ -11,11 +11,12 @@ from jaxtyping import Float
 from sklearn.decomposition import PCA
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.neural_network import MLPRegressor
+from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]  # comes with scikit-learn
 
 from wigwag.distances import NearestSequences
 from wigwag.errors import InputError
 from wigwag.features import FrameScaler, Normalisation, Preparation
-from wigwag.recognise.nearest import NearestRecognizer
+from wigwag.recognise.neighbours import NearestRecognizer
 from wigwag.skeleton import Clip
 
 
@@ -120,7 +121,8 @@ class EncodedRecognizer(NearestRecognizer):
             n_iter_no_change=4,
             random_state=self.random_state,
         )
-        with warnings.catch_warnings():
+        # Products this small are faster on one thread, far faster where others use the machine as well.
+        with warnings.catch_warnings(), threadpool_limits(1, user_api="blas"):
             warnings.simplefilter("ignore", ConvergenceWarning)  # max_epochs is a budget, not a failure
             network.fit(reduced / size, reduced / size)
         error = (network.predict(reduced / size) * size - reduced).var(axis=0).sum()

@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from wigwag.distances import NearestSequences
 from wigwag.features import FrameScaler, Normalisation, Preparation
-from wigwag.recognise.nearest import NearestRecognizer
+from wigwag.recognise.neighbours import NearestRecognizer
 from wigwag.skeleton import Clip
 
 

@@ -216,6 +216,10 @@ class NearestRecognizer(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  
         label, sure = str(self.classes_[evidence.decided]), self.confidence_(evidence)
         novelty = self.confidence_.novelty(evidence)
         account = f"nearest example {nearest} at {novelty:.2f} times the usual distance"
+        if novelty > self.confidence_.novelty_limit_:
+            limit = self.confidence_.novelty_limit_
+            reason = f"unlike any {label} learned: {account}, limit {limit:.2f}"
+            return Gesture(None, sure, first, last, last, reason)
         if sure < self.null_confidence_:
             reason = f"not sure of {label}: {sure:.2f} < {self.null_confidence_:.2f}; {account}"
             return Gesture(None, sure, first, last, last, reason)
@@ -256,6 +260,7 @@ class NearestRecognizer(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  
             "k_scores": {str(k): v for k, v in self.k_scores_.items()},
             "null_confidence": self.null_confidence_,
             "offset": self.confidence_.offset_,
+            "novelty_limit": self.confidence_.novelty_limit_,
             "threshold": self.confidence_.threshold_,
             "rates": self.confidence_.rates_,
         }
@@ -286,6 +291,7 @@ class NearestRecognizer(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  
             self.confidence_ = Confidence(self.false_accept, self.false_reject)
             self.confidence_.typical_, self.confidence_.weights_ = arrays["typical"], arrays["weights"]
             self.confidence_.offset_ = float(facts["offset"])
+            self.confidence_.novelty_limit_ = float(facts["novelty_limit"])
             self.confidence_.threshold_ = float(facts["threshold"])
             self.confidence_.rates_ = dict(facts["rates"])
             self.index_ = self._restore(arrays)
