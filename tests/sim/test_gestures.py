@@ -123,5 +123,5 @@ def test_between_rows_a_performance_is_interpolated_and_zero_outside():
 
 
 def test_an_unknown_gesture_is_named():
-    with pytest.raises(InputError, match="no simulated gesture 'salute'.*Available"):
+    with pytest.raises(InputError, match=r"no simulated gesture 'salute'.*Available"):
         perform("salute", Person())

@@ -1,0 +1,79 @@
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from wigwag.errors import InputError
+from wigwag.sim.clips import TRAINING_SEED, SensorConfig, cut, to_camera, training_clips, training_sessions
+from wigwag.sim.gestures import BACKGROUND, COMMANDS, DISTRACTORS
+from wigwag.skeleton import Landmark
+
+
+@pytest.fixture(scope="module")
+def clips():
+    return training_clips(n_people=2, repetitions=1, seed=4, pieces=5)
+
+
+def test_each_person_shows_every_command_and_nothing_that_is_kept_for_the_demo(clips):
+    assert Counter(c.label for c in clips if c.label) == dict.fromkeys(COMMANDS, 2)
+    names = {c.name.split(" of ")[0] for c in clips}
+    assert names == {*COMMANDS, *BACKGROUND, "between"}
+    assert not names & set(DISTRACTORS)
+    subjects = {c.subject for c in clips}
+    assert len(subjects) == 2
+    assert all(int(s.split()[1]) >= TRAINING_SEED for s in subjects)
+
+
+def test_clips_are_what_a_camera_at_30_hz_sees(clips):
+    for clip in clips:
+        assert np.diff(clip.stamps_ns).max() < 34e6
+        assert 0.5 < clip.duration_s < 4.0
+        hips = clip.joints[:, [Landmark.LEFT_HIP, Landmark.RIGHT_HIP]].mean(axis=1)
+        assert (hips[:, 2] > 2.5).all() and (hips[:, 2] < 6.6).all(), "in front of the camera"
+        assert np.abs(hips[:, 0]).max() < 1.5
+        assert (clip.joints[:, Landmark.NOSE, 1] < clip.joints[:, Landmark.LEFT_HEEL, 1]).all(), "y is down"
+        # Facing the camera, the person's left is at the right of the picture.
+        across = clip.joints[:, Landmark.LEFT_SHOULDER, 0] - clip.joints[:, Landmark.RIGHT_SHOULDER, 0]
+        assert np.median(across) > 0.15
+
+
+def test_the_same_seed_gives_the_same_clips_and_another_other_people(clips):
+    again = training_clips(n_people=2, repetitions=1, seed=4, pieces=5)
+    assert [c.name for c in again] == [c.name for c in clips]
+    np.testing.assert_array_equal(again[3].joints, clips[3].joints)
+    other = training_clips(n_people=1, repetitions=1, seed=5, pieces=5)
+    assert {c.subject for c in other}.isdisjoint({c.subject for c in clips})
+
+
+def test_margins_vary_about_the_truth():
+    session = training_sessions(n_people=1, repetitions=2, seed=0)[0]
+    cuts = [c for c in cut(session, pieces=0)]
+    extra = [c.duration_s - (s.end_s - s.start_s) for c, s in zip(cuts, session.shown, strict=True)]
+    assert -0.35 < min(extra) < 0.0 < max(extra) < 0.65
+    exact = cut(session, margin_s=(0.0, 0.0), pieces=0)
+    np.testing.assert_allclose(
+        [c.duration_s for c in exact], [s.end_s - s.start_s for s in session.shown], atol=0.07
+    )
+
+
+def test_noise_is_as_large_as_configured():
+    quiet = SensorConfig(sideways_m=0.0, depth_m=0.0, bias_m=0.0)
+    loud = SensorConfig(sideways_m=0.012, depth_m=0.02, bias_m=0.0)
+    one, two = (training_sessions(1, 1, 3, sensor=s)[0].stream.joints for s in (quiet, loud))
+    spread = (two - one).std(axis=0).mean(axis=0)
+    np.testing.assert_allclose(spread, [0.012, 0.012, 0.02], rtol=0.15)
+    step = np.diff(two - one, axis=0).std() / (two - one).std()
+    assert step < 1.0, "an error lasts longer than a frame"
+
+
+def test_world_to_camera_by_hand():
+    point = np.array([[[3.0, 4.0, 1.0]] * 20])
+    seen = to_camera(point, np.array([[1.0, 4.0, 1.5]]), np.array([0.0]))  # looking east
+    np.testing.assert_allclose(seen[0, 0], [0.0, 0.5, 2.0], atol=1e-12)
+    seen = to_camera(point, np.array([[4.0, 3.0, 1.5]]), np.array([np.pi / 2]))  # looking north
+    np.testing.assert_allclose(seen[0, 0], [-1.0, 0.5, 1.0], atol=1e-12)
+
+
+def test_a_camera_needs_a_rate():
+    with pytest.raises(InputError, match="rate_hz must be above 0"):
+        SensorConfig(rate_hz=0)
