@@ -129,8 +129,10 @@ class Lifter:
         points = _checked(points_px, visibility, depth_mm)
         config = self.config
         code = STATISTICS.index(config.statistic)
-        task = Task(intrinsics.fx, intrinsics.fy, config.window_mm, config.reach_mm, code)
-        surface_mm, distance_mm = lift_depths(depth_mm, points, task)
+        task = Task(
+            float(intrinsics.fx), float(intrinsics.fy), float(config.window_mm), float(config.reach_mm), code
+        )
+        surface_mm, distance_mm = lift_depths(_one_kind(depth_mm), points, task)
         if distance_mm <= 0.0:
             return None
         measured = surface_mm > 0.0
@@ -156,6 +158,13 @@ def _checked(points_px: Any, visibility: Any, depth_mm: Any) -> Float[np.ndarray
             "A frame without depth cannot be lifted: use a camera that gives depth aligned to colour."
         )
     return points
+
+
+def _one_kind(depth_mm: UInt16[np.ndarray, "height width"]) -> UInt16[np.ndarray, "height width"]:
+    """Show any depth picture to the compiler as one type: another would be compiled anew, in flight."""
+    depth = np.ascontiguousarray(depth_mm).view()
+    depth.flags.writeable = False
+    return depth
 
 
 def _filled(
