@@ -153,7 +153,7 @@ class Operator:
         if walk.turn == 0 or t_s < walk.start_s or left_s < 0.45:
             return 0.0
         away = _wrap(walk.direction_rad - self.heading_rad)
-        return float(np.clip(walk.turn * away, -1.0, 1.0))
+        return max(-1.0, min(1.0, walk.turn * away))
 
     def _face(self, dt_s: float, drone_xy: Float[np.ndarray, 2], turn: float) -> None:
         """Turn to the drone: second order and critically damped, so that the heading has no corners."""
@@ -163,8 +163,8 @@ class Operator:
         else:
             error = _wrap(float(np.arctan2(span[1], span[0])) + turn - self.heading_rad)
         acceleration = FACING_RATE_S**2 * error - 2 * FACING_RATE_S * self._turn_rate
-        rate = self._turn_rate + dt_s * float(np.clip(acceleration, -8.0, 8.0))
-        self._turn_rate = float(np.clip(rate, -_TURN_RATE_MAX_RAD_S, _TURN_RATE_MAX_RAD_S))
+        rate = self._turn_rate + dt_s * max(-8.0, min(8.0, acceleration))
+        self._turn_rate = max(-_TURN_RATE_MAX_RAD_S, min(_TURN_RATE_MAX_RAD_S, rate))
         self.heading_rad += self._turn_rate * dt_s
 
     def _lower(self, dt_s: float, feet: Float[np.ndarray, "2 4"]) -> float:
