@@ -5,8 +5,8 @@ from __future__ import annotations
 from rich.console import Console
 from rich.markup import escape
 
-_SHOWN = 12
-_WIDTH = 116
+_SHOWN = 20
+_WIDTH = 130
 
 
 def wide_console() -> Console:

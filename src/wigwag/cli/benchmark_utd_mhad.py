@@ -162,11 +162,11 @@ def _table(rows: list[dict[str, Any]]) -> Table:
         padding=(0, 1, 0, 0),
     )
     for column in ("recogniser", "protocol", "classes"):
-        table.add_column(column)
+        table.add_column(column, no_wrap=True)
     for column in (
         "train / test", "accuracy", "95 %", "paper", "F1", "fit s", "ms", "p95", "paper ms",
     ):  # fmt: skip
-        table.add_column(column, justify="right")
+        table.add_column(column, justify="right", no_wrap=True)
     for row in rows:
         paper = PAPER.get((row["recognizer"], str(row["classes"]))) if row["protocol"] == "random" else None
         low, high = row["accuracy_ci95"]

@@ -85,7 +85,11 @@ def wilson_interval(right: int, cases: int) -> tuple[float, float]:
     share, n = right / cases, float(cases)
     center = (share + z * z / (2 * n)) / (1 + z * z / n)
     half = z / (1 + z * z / n) * np.sqrt(share * (1 - share) / n + z * z / (4 * n * n))
-    return max(float(center - half), 0.0), min(float(center + half), 1.0)
+    # At the ends the bound is the end itself; floating point would miss it by a hair.
+    return (
+        0.0 if right == 0 else float(center - half),
+        1.0 if right == cases else float(center + half),
+    )
 
 
 def people_interval(

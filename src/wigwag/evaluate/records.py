@@ -7,6 +7,8 @@ import json
 import math
 import os
 import shlex
+from contextlib import suppress
+from errno import EISDIR
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +35,8 @@ class Records:
         self.rows: list[dict[str, Any]] = []
         self._path = path
         self._common = {"command": command, "seed": seed, "version": __version__}
-        self._write()  # a place that cannot be written to is found out before the work, not after it
+        if path is not None:
+            self._replace("", keep=False)  # found out before the work, not after it; an old file stays
 
     def add(self, **fields: Any) -> dict[str, Any]:
         """Add one record and write the file."""
@@ -43,16 +46,25 @@ class Records:
         return row
 
     def _write(self) -> None:
-        if self._path is None:
-            return
+        if self._path is not None:
+            self._replace(json.dumps(self.rows, indent=2) + "\n")
+
+    def _replace(self, text: str, keep: bool = True) -> None:
+        """Write beside the file and move it there in one step; without ``keep``, only try to write."""
+        assert self._path is not None
         half_written = self._path.with_name(f".{self._path.name}.part")
         try:
+            if self._path.is_dir():
+                raise IsADirectoryError(EISDIR, "is a folder")
             self._path.parent.mkdir(parents=True, exist_ok=True)
-            half_written.write_text(json.dumps(self.rows, indent=2) + "\n", encoding="utf-8")
-            os.replace(half_written, self._path)
+            half_written.write_text(text, encoding="utf-8")
+            if keep:
+                os.replace(half_written, self._path)
         except OSError as error:
-            half_written.unlink(missing_ok=True)
             raise InputError(f"{self._path}: cannot be written ({error.strerror}).") from error
+        finally:
+            with suppress(OSError):
+                half_written.unlink(missing_ok=True)
 
 
 def command_line(name: str, options: Any) -> str:
