@@ -146,14 +146,12 @@ def _parts(look: Look) -> list[_Part]:
     s = look.height_m / 1.75
     g = s * look.girth
     skin, hair, shirt = (linear_rgb(c) for c in (look.skin, look.hair, look.shirt))
-    trousers, shoes = linear_rgb(look.trousers), linear_rgb(look.shoes)
+    trousers = linear_rgb(look.trousers)
     return [
         *_trunk(g, skin, shirt, linear_rgb(look.shirt_below or look.shirt), trousers),
         *_head(s, skin, hair, look),
-        *_arm("left", s, g, skin, shirt, look),
-        *_arm("right", s, g, skin, shirt, look),
-        *_leg("left", s, g, skin, trousers, shoes, look),
-        *_leg("right", s, g, skin, trousers, shoes, look),
+        *(part for side in ("left", "right") for part in _arm(side, look)),
+        *(part for side in ("left", "right") for part in _leg(side, look)),
     ]
 
 
@@ -163,7 +161,7 @@ def _trunk(g: float, skin: Vector, shirt: Vector, below: Vector, trousers: Vecto
     return [
         _Part(  # ribs
             {"spine": 0.8, "shoulder_center": 0.2}, {"spine": 0.15, "shoulder_center": 0.85},
-            (0.138 * g, 0.15 * g), (shirt, shirt), chest, (0.005, 0.0, -0.05), (0.008, 0.0, -0.115),
+            (0.138 * g, 0.154 * g), (shirt, shirt), chest, (0.005, 0.0, -0.05), (0.006, 0.0, -0.1),
             (0.7, 1.0, 1.0),
         ),
         _Part(  # belly
@@ -173,38 +171,46 @@ def _trunk(g: float, skin: Vector, shirt: Vector, below: Vector, trousers: Vecto
         ),
         _Part(  # chest from armpit to armpit
             {"left_shoulder": 0.76, "right_shoulder": 0.24}, {"left_shoulder": 0.24, "right_shoulder": 0.76},
-            (0.096 * g, 0.096 * g), (shirt, shirt), chest, (0.008, 0.0, -0.045), (0.008, 0.0, -0.045),
-            (0.98, 1.0, 1.0),
+            (0.09 * g, 0.09 * g), (shirt, shirt), chest, (0.004, 0.0, -0.03), (0.004, 0.0, -0.03),
+            (0.86, 1.0, 1.0),
         ),
         *(
             _Part(  # slope from neck to shoulder
-                {"shoulder_center": 1.0}, {f"{side}_shoulder": 1.0}, (0.066 * g, 0.058 * g),
-                (shirt, shirt), chest, (-0.008, 0.0, -0.045), (0.0, 0.0, 0.0),
+                {"shoulder_center": 1.0}, {f"{side}_shoulder": 1.0}, (0.066 * g, 0.056 * g),
+                (shirt, shirt), chest, (-0.008, 0.0, -0.022), (0.0, 0.0, 0.016),
             )
             for side in ("left", "right")
         ),
         _Part(  # pelvis
-            {"hip_center": 1.0}, {"left_hip": 0.5, "right_hip": 0.5}, (0.142 * g, 0.146 * g),
-            (trousers, trousers), pelvis, (0.003, 0.0, -0.045), (-0.005, 0.0, -0.015), (0.73, 1.0, 1.0),
+            {"hip_center": 1.0}, {"left_hip": 0.5, "right_hip": 0.5}, (0.142 * g, 0.132 * g),
+            (trousers, trousers), pelvis, (0.003, 0.0, -0.045), (-0.005, 0.0, 0.02), (0.73, 1.0, 1.0),
+        ),
+        _Part(  # hips
+            {"left_hip": 1.0}, {"right_hip": 1.0}, (0.1 * g, 0.1 * g), (trousers, trousers), pelvis,
+            (-0.005, -0.012, -0.01), (-0.005, 0.012, -0.01), (0.98, 1.0, 1.0),
         ),
         _Part(  # belt
             {"hip_center": 1.0}, {"hip_center": 1.0}, (0.146 * g, 0.146 * g), (belt, belt), pelvis,
             (0.005, 0.0, 0.035), (0.005, 0.0, 0.035), (0.73, 1.0, 0.16),
         ),
         _Part(  # neck
-            {"shoulder_center": 1.0}, {"head": 0.6, "shoulder_center": 0.4}, (0.06 * g, 0.052 * g),
-            (shirt, skin), chest, (0.0, 0.0, -0.03), (-0.01, 0.0, 0.0), cut=0.12,
+            {"shoulder_center": 1.0}, {"head": 0.6, "shoulder_center": 0.4}, (0.064 * g, 0.051 * g),
+            (shirt, skin), chest, (0.0, 0.0, -0.01), (-0.01, 0.0, 0.0), cut=0.15,
+        ),
+        _Part(  # neckline, lower in front than behind: tells the two apart from afar
+            {"shoulder_center": 1.0}, {"shoulder_center": 1.0}, (0.055 * g, 0.022 * g), (skin, skin), chest,
+            (0.034 * g, 0.0, 0.002), (0.088 * g, 0.0, -0.085 * g), (0.7, 1.0, 1.0),
         ),
     ]  # fmt: skip
 
 
 def _head(s: float, skin: Vector, hair: Vector, look: Look) -> list[_Part]:
     frame, at = _Frame.HEAD, {"head": 1.0}
-    dark = tuple(0.85 * c for c in skin)
+    dark = (0.85 * skin[0], 0.85 * skin[1], 0.85 * skin[2])
     parts = [
         _Part(  # skull and chin, with the face on it
-            at, at, (0.094 * s, 0.052 * s), (skin, hair), frame, (0.0, 0.0, 0.03 * s),
-            (0.036 * s, 0.0, -0.077 * s), (1.0, 0.82, 1.0), Surface.FACE, float(look.beard),
+            at, at, (0.094 * s, 0.056 * s), (skin, hair), frame, (0.0, 0.0, 0.03 * s),
+            (0.034 * s, 0.0, -0.072 * s), (1.0, 0.82, 1.0), Surface.FACE, float(look.beard),
         ),
         _Part(  # hair
             at, at, (0.1 * s, 0.1 * s), (hair, hair), frame, (-0.018 * s, 0.0, 0.046 * s),
@@ -216,10 +222,8 @@ def _head(s: float, skin: Vector, hair: Vector, look: Look) -> list[_Part]:
         ),
     ]  # fmt: skip
     for side in (1.0, -1.0):
-        ear = (0.0, side * 0.078 * s, -0.004 * s)
-        parts.append(
-            _Part(at, at, (0.032 * s, 0.032 * s), (dark, dark), frame, ear, ear, (0.6, 0.35, 1.0))  # type: ignore[arg-type]
-        )
+        ear = (0.0, side * 0.074 * s, -0.004 * s)
+        parts.append(_Part(at, at, (0.032 * s, 0.032 * s), (dark, dark), frame, ear, ear, (0.6, 0.35, 1.0)))
     if look.long_hair:
         parts.append(
             _Part(
@@ -230,7 +234,10 @@ def _head(s: float, skin: Vector, hair: Vector, look: Look) -> list[_Part]:
     return parts
 
 
-def _arm(side: str, s: float, g: float, skin: Vector, shirt: Vector, look: Look) -> list[_Part]:
+def _arm(side: str, look: Look) -> list[_Part]:
+    s = look.height_m / 1.75
+    g = s * look.girth
+    skin, shirt = linear_rgb(look.skin), linear_rgb(look.shirt)
     shoulder, elbow, wrist, hand = (f"{side}_{j}" for j in ("shoulder", "elbow", "wrist", "hand"))
     frame = _Frame.LEFT_HAND if side == "left" else _Frame.RIGHT_HAND
     thumb = -0.03 * s if side == "left" else 0.03 * s
@@ -249,9 +256,10 @@ def _arm(side: str, s: float, g: float, skin: Vector, shirt: Vector, look: Look)
     ]  # fmt: skip
 
 
-def _leg(
-    side: str, s: float, g: float, skin: Vector, trousers: Vector, shoes: Vector, look: Look
-) -> list[_Part]:
+def _leg(side: str, look: Look) -> list[_Part]:
+    s = look.height_m / 1.75
+    g = s * look.girth
+    skin, trousers, shoes = (linear_rgb(c) for c in (look.skin, look.trousers, look.shoes))
     hip, knee, ankle, foot = (f"{side}_{j}" for j in ("hip", "knee", "ankle", "foot"))
     frame = _Frame.LEFT_FOOT if side == "left" else _Frame.RIGHT_FOOT
     sole = linear_rgb("#f2f0ea")

@@ -1,5 +1,7 @@
 """What a stereo depth camera adds to a perfect picture: noise, steps of disparity, and holes."""
 
+# ruff: noqa: PLR0917 - compiled code takes flat arrays
+
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -144,7 +146,7 @@ def _roughen_depth(
             before = np.float32(depth[v, max(u - 2, 0)])
             over = np.float32(depth[max(v - 2, 0), u])
             under = np.float32(depth[min(v + 2, height - 1), u])
-            jump = max(max(abs(beside - z), abs(before - z)), max(abs(over - z), abs(under - z)))
+            jump = max(abs(beside - z), abs(before - z), abs(over - z), abs(under - z))
             if jump > limit and luck[(u + at[3]) & mask] < loss:
                 out[v, u] = 0
                 continue

@@ -86,7 +86,8 @@ class Quadrotor:
         self._mass = float(quad_params["mass"])
         hover = float(np.sqrt(self._mass * _G / 4 / quad_params["k_eta"]))
         # Rotor drag at hover, 1/s: force per velocity and mass.
-        self._drag = 4 * hover / self._mass * np.array([quad_params["k_d"], quad_params["k_d"], quad_params["k_z"]])
+        per_speed = np.array([quad_params["k_d"], quad_params["k_d"], quad_params["k_z"]])
+        self._drag = 4 * hover / self._mass * per_speed
         self._idle_rotors = np.full(4, 0.25 * hover)
         # Tolerances are loose and the first step is the whole one: a single Runge-Kutta step does.
         self._plant = Multirotor(

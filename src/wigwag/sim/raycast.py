@@ -4,6 +4,8 @@ A ray through pixel (u, v) is ``t * (x, y, 1)`` in the camera optical frame, so 
 the optical axis, which is what an RGB-D camera measures.
 """
 
+# ruff: noqa: PLR0912, PLR0915, PLR0917 - compiled code takes flat arrays and calls little
+
 from __future__ import annotations
 
 import math
@@ -185,11 +187,13 @@ def hit(row: Float64[np.ndarray, 29], x: float, y: float) -> float:
     dy = row[3] * x + row[4] * y + row[5]
     dz = row[6] * x + row[7] * y + row[8]
     if row[BOX] > 0.0:
-        return hit_box(dx, dy, dz, row[9], row[10], row[11])
-    return hit_capsule(
+        t: float = hit_box(dx, dy, dz, row[9], row[10], row[11])
+        return t
+    t = hit_capsule(
         dx, dy, dz, row[9], row[10], row[11], row[12], row[13], row[14],
         row[15], row[16], row[17], row[18], row[19],
     )  # fmt: skip
+    return t
 
 
 @njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]

@@ -9,11 +9,12 @@ import numpy as np
 from jaxtyping import Float, UInt8, UInt16
 
 from wigwag.camera.frame import Intrinsics
+from wigwag.sim.backdrop import backdrop, shadows
 from wigwag.sim.body import BodyPainter
 from wigwag.sim.paint import Look
 from wigwag.sim.raycast import COLUMNS, cast, place
 from wigwag.sim.scene import Scene
-from wigwag.sim.shade import backdrop, resolve, shadows, tone_curve
+from wigwag.sim.shade import resolve, tone_curve
 from wigwag.sim.shapes import Shapes
 
 _LENS = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])

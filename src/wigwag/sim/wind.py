@@ -39,4 +39,4 @@ class Gusts:
         fresh = np.sqrt(1.0 - kept * kept)
         self._gust = kept * self._gust + fresh * self._deviation * self._rng.standard_normal(3)
         self._time_s = t
-        return self._gust + np.asarray(self._config.mean_m_s)
+        return np.asarray(self._gust + self._config.mean_m_s)
