@@ -224,6 +224,41 @@ def _rub_neck(hand: Side) -> list[Key]:
             Key(0.6, REST)]  # fmt: skip
 
 
+def _behind_head(_: Side) -> list[Key]:
+    """Clasp the hands behind the head."""
+    clasp = _both(**{"raise": 148, "forward": 21, "bend": 125, "roll": -66})
+    return [Key(0.7, clasp), Key(0.3, clasp | {"lean_forward": -5.0}), Key(0.7, REST)]
+
+
+def _rub_hands(_: Side) -> list[Key]:
+    """Rub the hands before the belly."""
+    one = {"raise": 33, "forward": 24, "bend": 107, "roll": 56}
+    two = {"raise": 15, "forward": 54, "bend": 97, "roll": 39}
+    here, there = _one("left", **one) | _one("right", **two), _one("left", **two) | _one("right", **one)
+    return [Key(0.5, here), Key(0.2, there), Key(0.2, here), Key(0.2, there), Key(0.2, here), Key(0.5, REST)]
+
+
+def _reach_up(_: Side) -> list[Key]:
+    """Stretch upwards after long sitting: both arms up by the front, a lean to one side, down again."""
+    up = _both(**{"raise": 164, "forward": 38, "bend": 28, "roll": -70, "shrug": 5})
+    return [Key(0.75, up | {"lean_forward": -4.0}), Key(0.4, up | {"lean_left": 10.0}), Key(0.85, REST)]
+
+
+def _drink(hand: Side) -> list[Key]:
+    """Drink from a bottle."""
+    mouth = _one(hand, **{"raise": 86, "forward": 72, "bend": 122, "roll": 30})
+    return [Key(0.6, mouth), Key(0.4, mouth | {"nod": -18.0}), Key(0.6, REST)]
+
+
+def _dust_off(_: Side) -> list[Key]:
+    """Beat dust off the trousers with both hands."""
+    off = {"raise": 36, "forward": 6, "bend": 40, "roll": 20}
+    on = {"raise": 28, "forward": 4, "bend": 66, "roll": 66}
+    lean = {"lean_forward": 14.0}
+    return [Key(0.45, _both(**on) | lean), Key(0.2, _both(**off)), Key(0.2, _both(**on)),
+            Key(0.2, _both(**off)), Key(0.2, _both(**on)), Key(0.5, REST)]  # fmt: skip
+
+
 def _phone(hand: Side) -> list[Key]:
     """Take the phone to the ear."""
     ear = _one(hand, **{"raise": 102, "forward": 44, "bend": 131, "roll": -16})
@@ -288,7 +323,8 @@ def _stretch(_: Side) -> list[Key]:
 BACKGROUND_SCORES: dict[str, Score] = {
     "wave": _wave, "scratch_head": _scratch_head, "hands_on_hips": _hands_on_hips,
     "look_at_watch": _look_at_watch, "bow": _bow, "kick": _kick, "shrug": _shrug,
-    "swing_arms": _swing_arms, "point": _point, "rub_neck": _rub_neck,
+    "swing_arms": _swing_arms, "point": _point, "rub_neck": _rub_neck, "behind_head": _behind_head,
+    "rub_hands": _rub_hands, "reach_up": _reach_up, "drink": _drink, "dust_off": _dust_off,
 }  # fmt: skip
 """Movements that are no command and that training may show as such."""
 
