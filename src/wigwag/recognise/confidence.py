@@ -7,8 +7,8 @@ from typing import Self
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
+from scipy.optimize import minimize
 from scipy.special import expit
-from sklearn.linear_model import LogisticRegression
 
 BACKGROUND = -1
 """Stands for 'a movement that is no gesture' where labels are numbers."""
@@ -98,7 +98,8 @@ class Confidence:
     once with its own gesture taken away from the references, as if it were a movement nobody taught, when
     any decision for a gesture is wrong. A logistic regression weighs three things: the margin (log of
     rival over nearest distance), the novelty (log of nearest over the distance that is typical between
-    people who show this gesture), and the share of votes. Right and wrong decisions count alike in total.
+    people who show this gesture), and the share of votes. Right and wrong decisions count alike in total,
+    and a nearer rival, a farther example or fewer votes never make it surer.
 
     ``threshold_`` lets at most ``false_accept`` of the movements that are not a taught gesture pass as
     one, unless that would turn away more than ``false_reject`` of the right decisions. ``novelty_limit_``
@@ -165,8 +166,7 @@ class Confidence:
             # one half at twice the typical distance.
             self.weights_, self.offset_ = np.array([0.0, -4.0, 0.0]), 4.0 * np.log(2.0)
         else:
-            model = LogisticRegression(class_weight="balanced", C=1.0).fit(rows, right)
-            self.weights_, self.offset_ = model.coef_[0], float(model.intercept_[0])
+            self.weights_, self.offset_ = _fit_logistic(rows, right)
         scores = expit(rows @ self.weights_ + self.offset_) if len(rows) else np.zeros(0)
         wrong = np.sort(scores[~right])[::-1]
         allowed = int(self.false_accept * movements)
@@ -210,3 +210,22 @@ def _evidence(
     near = distances[kept]
     voters = np.argsort(near, kind="stable")[:k]
     return weigh(near, numbers[kept], voters, near[voters])
+
+
+def _fit_logistic(
+    rows: Float[np.ndarray, "decisions 3"], right: Bool[np.ndarray, " decisions"]
+) -> tuple[Float[np.ndarray, " 3"], float]:
+    """Fit a logistic regression whose weights have the sign that sense demands, lightly held at 0."""
+    sign = np.where(right, 1.0, -1.0)
+    # Balanced: both outcomes weigh as if each made up half of the decisions.
+    weight = np.where(right, 0.5 / right.mean(), 0.5 / (1 - right.mean()))
+
+    def loss(x: np.ndarray) -> tuple[float, np.ndarray]:
+        z = sign * (rows @ x[:3] + x[3])
+        slope = -sign * weight * expit(-z)
+        value = float(np.sum(weight * np.logaddexp(0, -z)) + 0.5 * x[:3] @ x[:3])
+        return value, np.append(rows.T @ slope + x[:3], slope.sum())
+
+    bounds = [(0, None), (None, 0), (0, None), (None, None)]  # margin, novelty, share, offset
+    x = minimize(loss, np.zeros(4), jac=True, method="L-BFGS-B", bounds=bounds).x
+    return x[:3], float(x[3])

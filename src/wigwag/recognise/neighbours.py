@@ -117,6 +117,8 @@ class NearestRecognizer(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  
         Raises:
             InputError: If there are no clips, no labels, or not as many labels as clips.
         """
+        if self.k is not None and self.k < 1:
+            raise InputError(f"{type(self).__name__}.k must be 1 or more, or None, but got {self.k}.")
         labels = self._labels(clips, y)
         self.classes_ = np.array(sorted({label for label in labels if label is not None}))
         number = {str(label): i for i, label in enumerate(self.classes_)}
