@@ -73,8 +73,9 @@ class Body:
     score: float
     """The network's own word on whether there is a person, 0 to 1. Furniture often gets 0.99."""
     clarity: float
-    """How sharply the network sees the 13 landmarks of wigwag, 0 to 1: the median peak of their heat
-    maps. This is what tells people (above 0.7, mostly) from furniture (below 0.5)."""
+    """How sharply the network sees those of wigwag's 13 landmarks that lie in the picture, 0 to 1: the
+    median peak of their heat maps; 0 if fewer than five do. This is what tells people (above 0.7,
+    mostly) from furniture (below 0.5, mostly)."""
 
     @property
     def torso_px(self) -> float:

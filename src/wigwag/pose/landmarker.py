@@ -17,6 +17,7 @@ from wigwag.skeleton import from_blazepose33
 
 _N_ALL = 39  # 33 landmarks, two alignment points for the next region, four that nobody uses
 _HEAT_SIDE = 64
+_MIN_INSIDE = 5  # landmarks: head, shoulders and elbows are the least that is a person
 _REACH = 3  # of the 7 x 7 window in which a landmark is refined
 
 
@@ -53,9 +54,24 @@ class Landmarker:
             visibility=sigmoid(raw[:N_POINTS, 3]),
             world_m=world,
             score=float(self._network.output(1, 1)[0, 0]),
-            clarity=float(np.median(from_blazepose33(peaks[:N_POINTS, None]))),
+            clarity=clarity(placed[:N_POINTS], peaks[:N_POINTS], rgb.shape[1], rgb.shape[0]),
         )
         return Sighting(body, Region.around(placed[N_POINTS], placed[N_POINTS + 1]))
+
+
+def clarity(
+    points_px: Float[np.ndarray, "33 2"], peaks: Float[np.ndarray, " 33"], width: int, height: int
+) -> float:
+    """Return ``Body.clarity``: the median peak of wigwag's 13 landmarks, of those in the picture.
+
+    A landmark outside of the picture has no heat, though the person is there: legs below the lower edge
+    must not make a person unlikely.
+    """
+    u, v = from_blazepose33(points_px).T
+    inside = (u >= 0) & (u < width) & (v >= 0) & (v < height)
+    if inside.sum() < _MIN_INSIDE:
+        return 0.0
+    return float(np.median(from_blazepose33(peaks[:, None])[inside, 0]))
 
 
 def sigmoid(values: Float[np.ndarray, "*shape"]) -> Float[np.ndarray, "*shape"]:

@@ -40,6 +40,10 @@ class Region:
         """Say whether a body may stand here: a real size, and not tilted by more than this."""
         return math.isfinite(self.side) and self.side > 4.0 and abs(self.angle_rad) <= max_tilt_rad
 
+    def wider(self, scale: float) -> Region:
+        """Return an upright square around the same middle, its side longer by ``scale``."""
+        return Region(self.u, self.v, scale * self.side)
+
     @classmethod
     def whole(cls, width: int, height: int) -> Region:
         """Build the smallest upright square that holds the whole picture."""
