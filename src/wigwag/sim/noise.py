@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.fft
 from jaxtyping import Float32, UInt8, UInt16
 from numba import njit
 
@@ -57,7 +58,8 @@ class SensorNoise:
         self._rng = rng = np.random.default_rng([seed, 0x0153])
         self._side = 1024
         self._disparity = _smooth(rng, self._side, c.patch_px) * np.float32(c.subpixel)
-        self._colour = np.clip(np.round(c.colour * rng.standard_normal(1 << 20)), -40, 40).astype(np.int8)
+        colour = np.float32(c.colour) * rng.standard_normal(1 << 20, dtype=np.float32)
+        self._colour = np.clip(np.round(colour), -40, 40).astype(np.int8)
         self._chance = rng.random((self._side, self._side), dtype=np.float32)
         level = _smooth(rng, self._side, 9)
         self._blob = (level < np.quantile(level, c.blobs)).astype(np.uint8)
@@ -81,9 +83,10 @@ class SensorNoise:
 
 def _smooth(rng: np.random.Generator, side: int, width: int) -> Float32[np.ndarray, "side side"]:
     """Seamless Gaussian noise with unit deviation whose pixels go together over ``width`` pixels."""
-    f = np.hypot(np.fft.fftfreq(side)[:, None], np.fft.rfftfreq(side)[None, :])
-    kernel = np.exp(-2 * (np.pi * f * width / 2.355) ** 2)
-    field = np.fft.irfft2(np.fft.rfft2(rng.standard_normal((side, side))) * kernel, s=(side, side))
+    fy, fx = np.fft.fftfreq(side)[:, None], np.fft.rfftfreq(side)[None, :]
+    kernel = np.exp(-2 * (np.pi * width / 2.355) ** 2 * (fy**2 + fx**2)).astype(np.float32)
+    spectrum = scipy.fft.rfft2(rng.standard_normal((side, side), dtype=np.float32)) * kernel
+    field = scipy.fft.irfft2(spectrum, s=(side, side))
     return np.asarray(field / field.std(), dtype=np.float32)
 
 

@@ -158,6 +158,7 @@ class Quadrotor:
         self.time_s += dt
         if not self.motors_on and self.on_ground:
             self._state["v"], self._state["w"] = np.zeros(3), np.zeros(3)
+            self._state["x"][2] = 0.0
             self._state["rotor_speeds"] = np.zeros(4)
         else:
             self._state["wind"] = self._gusts.update(self.time_s, self._state["x"])

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import scipy.fft
 from jaxtyping import Float, Float32, Int64, UInt32
 
 from wigwag.sim.shapes import Shapes, Surface, linear_rgb
@@ -82,22 +83,24 @@ def _levels(k: float) -> Float32[np.ndarray, "256 2"]:
     return np.stack([level, np.exp(-distance / 70)], axis=1).astype(np.float32)
 
 
-def _noise(rng: np.random.Generator, side: int, slope: float) -> Float[np.ndarray, "side side"]:
+def _noise(rng: np.random.Generator, side: int, slope: float) -> Float32[np.ndarray, "side side"]:
     """Seamless noise with zero mean and unit deviation, whose spectrum falls as frequency ** -slope."""
-    f = np.hypot(np.fft.fftfreq(side)[:, None], np.fft.rfftfreq(side)[None, :]) * side
-    f[0, 0] = np.inf
-    spectrum = np.fft.rfft2(rng.standard_normal((side, side))) * np.maximum(f, 3.0) ** -slope
-    field = np.fft.irfft2(spectrum, s=(side, side))
-    return np.asarray((field - field.mean()) / field.std())
+    fy, fx = np.fft.fftfreq(side)[:, None] * side, np.fft.rfftfreq(side)[None, :] * side
+    fall = (np.maximum(fy**2 + fx**2, 9.0) ** (-slope / 2)).astype(np.float32)
+    fall[0, 0] = 0.0
+    spectrum = scipy.fft.rfft2(rng.standard_normal((side, side), dtype=np.float32)) * fall
+    field = scipy.fft.irfft2(spectrum, s=(side, side))
+    return np.asarray(field / field.std(), dtype=np.float32)
 
 
 def _ground(rng: np.random.Generator, kind: str) -> Mipmap:
     patches, grain = _noise(rng, _SIDE, 1.6)[..., None], _noise(rng, _SIDE, 0.35)[..., None]
     if kind == "gravel":
-        base, wide, fine = np.array([134.0, 128, 118]), np.array([9.0, 9, 9]), np.array([20.0, 19, 18])
+        base, wide, fine = (134, 128, 118), (9, 9, 9), (20, 19, 18)
     else:
-        base, wide, fine = np.array([104.0, 122, 68]), np.array([13.0, 8, 7]), np.array([15.0, 17, 11])
-    image = np.clip(base + wide * patches + fine * grain, 0, 255).astype(np.float32)
+        base, wide, fine = (104, 122, 68), (13, 8, 7), (15, 17, 11)
+    base, wide, fine = np.asarray((base, wide, fine), dtype=np.float32)
+    image = np.clip(base + wide * patches + fine * grain, 0, 255)
     levels, starts, at = [], [], 0
     while len(image) >= 1:
         c = np.round(image).astype(np.uint32)
