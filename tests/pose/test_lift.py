@@ -253,6 +253,26 @@ def test_an_arm_before_the_chest_leaves_shoulder_and_hip_alone() -> None:
     assert (paper.points_m[[L_SHOULDER, R_HIP], 2] < 2.8).all(), "what the paper's statistic does"
 
 
+def test_an_arm_that_covers_the_shoulder_is_looked_around() -> None:
+    """A forearm 0.3 m before the shoulder hides its whole window; the chest shows beside it."""
+    depth = plane(3000)
+    u, v = CAMERA.project(person()[L_SHOULDER]).astype(int)
+    depth[v - 16 : v + 17, u - 100 : u + 101] = 2700
+    lifted = lift(depth)
+    assert lifted.points_m[L_SHOULDER, 2] == pytest.approx(3.0)
+    assert lift(depth, statistic="median").points_m[L_SHOULDER, 2] == pytest.approx(2.7)
+
+
+def test_a_person_who_bends_forward_is_believed() -> None:
+    """Shoulders and head 0.45 m before the hips, without a gap between: no arm, but a bow."""
+    depth = plane(3000)
+    top, bottom = CAMERA.project(person())[[NOSE, L_HIP], 1]
+    rows = np.arange(CAMERA.height)
+    depth[:] = (3000 - 450 * np.clip((bottom - rows) / (bottom - top), 0, 1.2))[:, None].astype(np.uint16)
+    expected = depth[CAMERA.project(person())[:, 1].astype(int), 0] / 1000
+    np.testing.assert_allclose(lift(depth).points_m[:, 2], expected, atol=0.05)
+
+
 def test_a_wrist_before_the_chest_is_the_wrist() -> None:
     at = person()
     at[L_WRIST, :2] = [0.0, -0.2]

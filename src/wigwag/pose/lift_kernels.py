@@ -44,6 +44,10 @@ _GAP_MM = 40.0
 """Sorted depths of one surface lie closer than this; stereo noise grows with the square of distance."""
 _GAP_FROM_MM = 3000.0
 """The distance from which the gap grows."""
+_TRUNK_QUANTILE = 0.65
+"""Where among the trunk's depths the trunk itself lies: arms lie before it, little lies behind."""
+_ARM_MM = 120.0
+"""A shoulder or hip that seems this far before the trunk is covered by an arm: look farther around it."""
 _LEAST_SHARE = 0.05
 """A surface has at least this share of its window; less is flying pixels."""
 _LEFT_SHOULDER, _RIGHT_SHOULDER = int(Landmark.LEFT_SHOULDER), int(Landmark.RIGHT_SHOULDER)
@@ -73,7 +77,7 @@ def lift_depths(depth: Any, points: Any, task: Task) -> Any:
         return z, 0.0
     trunk_depths = np.sort(values[:n])
     distance = _first_quartile_mean(trunk_depths)
-    trunk = trunk_depths[n // 2]
+    trunk = trunk_depths[int(n * _TRUNK_QUANTILE)]
     for i in range(len(points)):
         u, v = points[i, 0], points[i, 1]
         if not (-0.5 <= u < depth.shape[1] - 0.5 and -0.5 <= v < depth.shape[0] - 0.5):
@@ -92,13 +96,16 @@ def lift_depths(depth: Any, points: Any, task: Task) -> Any:
                 continue
             window = np.sort(values[:n])
             if task.statistic == QUARTILE:
-                z[i] = _first_quartile_mean(window)
+                found = _first_quartile_mean(window)
             elif task.statistic == MEDIAN:
-                z[i] = np.median(window)
+                found = np.median(window)
             else:
-                z[i] = _surface(window, i, z, trunk)
-            if z[i] > 0.0:
-                break
+                found = _surface(window, i, z, trunk)
+            if found > 0.0:
+                z[i] = found
+                covered = task.statistic == SURFACE and _RULE[i] == _TRUNK and found < trunk - _ARM_MM
+                if not covered:
+                    break
     return z, distance
 
 
