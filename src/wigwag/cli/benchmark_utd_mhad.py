@@ -124,7 +124,8 @@ class UtdMhadBenchmark:
                 except InputError as error:
                     failed.append((name, str(error)))
                 else:
-                    records.add(**result.record(self.seed))
+                    record = records.add(**result.record(self.seed))
+                    console.print(f"{name}: {100 * record['accuracy_mean']:.2f} % right", highlight=False)
                     if self.out is not None:
                         _draw(result, self.out)
                 bar.remove_task(task)
