@@ -91,9 +91,11 @@ def _tracks(
 ) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """One repetition: for each channel its key times (s) and deviations from rest, both ending at rest."""
     # One draw for the whole repetition's speed and size, one for each key.
-    pace = person.tempo * np.exp(rng.normal(0, 0.05 * person.sloppiness))
+    # Chance is cut off where the two together would ask for hands faster than people's (8 m/s).
+    pace = min(person.tempo * np.exp(rng.normal(0, 0.05 * person.sloppiness)), 1.3)
     size = person.amplitude * np.exp(rng.normal(0, 0.035 * person.sloppiness))
-    spans = [key.after_s / pace * np.exp(rng.normal(0, 0.06 * person.sloppiness)) for key in score]
+    hurry = np.clip(rng.normal(0, 0.06 * person.sloppiness, len(score)), -0.12, 0.06)
+    spans = [key.after_s / pace * np.exp(-late) for key, late in zip(score, hurry, strict=True)]
     moments = np.cumsum(spans)
     standing = dict(zip(CHANNELS, rest(person), strict=True))
     touched = sorted({name for key in score for name in key.to})

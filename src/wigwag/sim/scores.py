@@ -70,8 +70,8 @@ def _stop(_: Side) -> list[Key]:
     opened = _both(**{"raise": 134, "bend": 14, "roll": -88}) | {"left_forward": 0, "right_forward": 14}
     crossed = _both(**{"raise": 168, "bend": 74, "roll": -88}) | {"left_forward": -4, "right_forward": 16}
     return [
-        Key(0.5, opened), Key(0.31, crossed), Key(0.30, opened), Key(0.31, crossed), Key(0.28, opened),
-        Key(0.5, REST),
+        Key(0.52, opened), Key(0.31, crossed), Key(0.30, opened), Key(0.31, crossed), Key(0.28, opened),
+        Key(0.56, REST),
     ]  # fmt: skip
 
 
@@ -304,13 +304,13 @@ def _wipe_brow(hand: Side) -> list[Key]:
     return [Key(0.58, start | {"nod": 8.0}), Key(0.4, end), Key(0.6, REST)]
 
 
-def _touch_toes(_: Side) -> list[Key]:
+def _pick_up(_: Side) -> list[Key]:
     """Bend down to pick something up, knees bent."""
     down = {
         "pelvis_down": 26.0, "pelvis_forward": -16.0, "lean_forward": 58.0, "nod": -10.0,
         **_both(swing=52.0, bend=12),
     }  # fmt: skip
-    return [Key(0.75, down), Key(0.12, down), Key(0.75, REST)]
+    return [Key(0.85, down), Key(0.12, down), Key(0.85, REST)]
 
 
 def _stretch(_: Side) -> list[Key]:
@@ -330,7 +330,7 @@ BACKGROUND_SCORES: dict[str, Score] = {
 
 DISTRACTOR_SCORES: dict[str, Score] = {
     "phone": _phone, "adjust_hat": _adjust_hat, "clap": _clap, "arms_crossed": _arms_crossed,
-    "throw": _throw, "wipe_brow": _wipe_brow, "pick_up": _touch_toes, "stretch": _stretch,
+    "throw": _throw, "wipe_brow": _wipe_brow, "pick_up": _pick_up, "stretch": _stretch,
 }  # fmt: skip
 """Movements that are no command and that no training ever sees: what the demo distracts with."""
 
