@@ -148,6 +148,8 @@ def test_it_stands_still_with_motors_off_and_falls_when_they_stop_in_the_air():
     assert quad.on_ground
 
 
-def test_starting_below_the_ground_is_an_error():
+def test_bad_configuration_is_an_error():
     with pytest.raises(InputError, match="below the ground"):
-        Quadrotor(QuadrotorConfig((0.0, 0.0, -1.0)))
+        QuadrotorConfig((0.0, 0.0, -1.0))
+    with pytest.raises(InputError, match="rate_hz"):
+        QuadrotorConfig(rate_hz=50.0)

@@ -37,13 +37,17 @@ class EstimateConfig:
 
 @dataclass(frozen=True, slots=True)
 class QuadrotorConfig:
-    """An AscTec Hummingbird (0.5 kg) that follows velocity set-points."""
+    """An AscTec Hummingbird (0.5 kg) that follows velocity set-points.
+
+    Raises:
+        InputError: If it would start below the ground or the loop is too slow for its motors.
+    """
 
     position_m: tuple[float, float, float] = (0.0, 0.0, 1.5)
     """Where it starts, world frame ENU; at height 0 it stands on the ground with motors off."""
     heading_rad: float = 0.0
     rate_hz: float = 100.0
-    """Rate of the inner loop and of the physics' steps."""
+    """Rate of the inner loop and of the physics' steps, at least."""
     max_acceleration_m_s2: float = 2.5
     """How fast a new velocity is taken up, horizontally and vertically."""
     max_yaw_acceleration_rad_s2: float = 6.0
@@ -57,6 +61,19 @@ class QuadrotorConfig:
     wind: WindConfig = field(default_factory=WindConfig)
     estimate: EstimateConfig = field(default_factory=EstimateConfig)
 
+    def __post_init__(self) -> None:
+        """Check what would otherwise fall out of the sky."""
+        if self.position_m[2] < 0:
+            raise InputError(
+                f"QuadrotorConfig.position_m must not lie below the ground, but its height is "
+                f"{self.position_m[2]} m; use 0 to start on the ground."
+            )
+        if not self.rate_hz >= 100:
+            raise InputError(
+                f"QuadrotorConfig.rate_hz must be 100 or more for the motors to be integrated stably, "
+                f"but got {self.rate_hz}."
+            )
+
 
 class Quadrotor:
     """Closed loop of RotorPy's multirotor, seeded, stepped by hand.
@@ -67,9 +84,6 @@ class Quadrotor:
     Args:
         config: Airframe, loop, wind and estimate.
         seed: The same seed and the same set-points give the same flight.
-
-    Raises:
-        InputError: If it would start below the ground.
     """
 
     def __init__(self, config: QuadrotorConfig | None = None, seed: int = 0) -> None:
@@ -77,22 +91,18 @@ class Quadrotor:
         from rotorpy.vehicles.hummingbird_params import quad_params
         from rotorpy.vehicles.multirotor import Multirotor
 
+        from wigwag.sim.kutta import Kutta3
+
         self.config = config = config or QuadrotorConfig()
-        if config.position_m[2] < 0:
-            raise InputError(
-                f"QuadrotorConfig.position_m must not lie below the ground, but its height is "
-                f"{config.position_m[2]} m; use 0 to start on the ground."
-            )
         self._mass = float(quad_params["mass"])
         hover = float(np.sqrt(self._mass * _G / 4 / quad_params["k_eta"]))
         # Rotor drag at hover, 1/s: force per velocity and mass.
         per_speed = np.array([quad_params["k_d"], quad_params["k_d"], quad_params["k_z"]])
         self._drag = 4 * hover / self._mass * per_speed
         self._idle_rotors = np.full(4, 0.25 * hover)
-        # Tolerances are loose and the first step is the whole one: a single Runge-Kutta step does.
         self._plant = Multirotor(
             quad_params, control_abstraction="cmd_ctatt", aero=True, enable_ground=True,
-            integrator_kwargs={"method": "RK23", "rtol": 1e-2, "atol": 1e-2},
+            integrator_kwargs={"method": Kutta3},
         )  # fmt: skip
         self._gusts = Gusts(config.wind, seed)
         self._rng = np.random.default_rng([seed, 0xE57])
@@ -112,7 +122,6 @@ class Quadrotor:
     def step(self, setpoint: Setpoint, dt_s: float) -> None:
         """Fly on for ``dt_s`` seconds under one set-point, in steps no longer than the inner loop's."""
         steps = max(1, math.ceil(dt_s * self.config.rate_hz - 1e-9))
-        self._plant.integrator_kwargs["first_step"] = dt_s / steps
         for _ in range(steps):
             self._step(setpoint, dt_s / steps)
 
