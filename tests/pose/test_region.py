@@ -69,3 +69,10 @@ def test_unusable_regions() -> None:
     assert not Region(0, 0, math.nan).usable(limit)
     assert not Region(0, 0, math.inf).usable(limit)
     assert not Region(0, 0, 1.0).usable(limit)
+
+
+def test_the_same_place_seen_in_two_crops() -> None:
+    region = Region(100.0, 100.0, 50.0)
+    assert region.resembles(Region(104.0, 95.0, 55.0))
+    assert not region.resembles(Region(115.0, 100.0, 50.0))
+    assert not region.resembles(Region(100.0, 100.0, 80.0))

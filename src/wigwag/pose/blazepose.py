@@ -9,7 +9,6 @@ every third picture and the landmark network agrees with a score of 0.99; its he
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -26,6 +25,9 @@ from wigwag.pose.region import Region
 
 _CROP_SCALE = 1.5
 """Where a body was, the detector looks at an upright square that is wider than its region by this."""
+_PATIENCE = 4
+_MIN_CROP = 48.0
+"""Pixels; a person in a smaller crop is too small for the landmark network."""
 
 Picture = UInt8[np.ndarray, "height width 3"]
 
@@ -59,7 +61,8 @@ class BlazePoseConfig:
     tile_shares: tuple[float, ...] = (2 / 3, 1 / 2)
     """Sides of the search crops as shares of the picture's shorter side: 320 and 240 px of 480."""
     max_looks: int = 2
-    """How many detections of one search the landmark network looks at, surest first."""
+    """How many detections in a frame of a stream the landmark network looks at, surest first; four
+    times as many in a picture that stands for itself."""
     memory_frames: int = 30
     """For so many frames a lost person is searched where they were last as well."""
 
@@ -150,7 +153,7 @@ class BlazePose:
         tiles = [tile for share in self.config.tile_shares for tile in search_tiles(width, height, share)]
         return [Region.whole(width, height), tiles[turn % len(tiles)]]
 
-    def _search(self, rgb: Picture, regions: Iterable[Region], every: bool = False) -> Sighting | None:
+    def _search(self, rgb: Picture, regions: list[Region], every: bool = False) -> Sighting | None:
         """Look at the surest detections in these regions and return the first that is a person.
 
         Args:
@@ -159,24 +162,30 @@ class BlazePose:
             every: Search all regions before looking closer (for a picture that stands for itself),
                 instead of stopping at the first region with a person (for a stream).
         """
-        groups = [list(regions)] if every else [[region] for region in regions]
-        looks = self.config.max_looks * (len(groups[0]) if every else 1)
+        groups = [regions] if every else [[region] for region in regions]
+        looks = self.config.max_looks * (_PATIENCE if every else 1)
+        rejected: list[Region] = []
         for group in groups:
             detections = [found for region in group for found in self._detector(rgb, region)]
             for detection in sorted(detections, key=lambda found: -found.score):
-                if not detection.region.usable(self._max_tilt_rad):
+                place = detection.region
+                if not place.usable(self._max_tilt_rad) or any(place.resembles(r) for r in rejected):
                     continue
-                if looks == 0:
+                if len(rejected) == looks:
                     return None
-                looks -= 1
-                first = self._landmarker(rgb, detection.region)
-                if not self._holds(first, self.config.keep_clarity):
-                    continue
-                # Seen again in the region of its own landmarks, a person becomes clearer.
-                second = self._landmarker(rgb, first.region)
-                if self._holds(second, self.config.min_clarity):
-                    return second
+                if seen := self._look(rgb, place):
+                    return seen
+                rejected.append(place)
         return None
+
+    def _look(self, rgb: Picture, region: Region) -> Sighting | None:
+        """Return the person in a detected region, seen twice, or ``None`` if there is none."""
+        first = self._landmarker(rgb, region)
+        if not self._holds(first, self.config.keep_clarity):
+            return None
+        # Seen again in the region of its own landmarks, a person becomes clearer.
+        second = self._landmarker(rgb, first.region)
+        return second if self._holds(second, self.config.min_clarity) else None
 
     def _holds(self, seen: Sighting, clarity: float) -> bool:
         body = seen.body
@@ -200,12 +209,14 @@ def search_tiles(width: int, height: int, share: float) -> list[Region]:
         [(320.0, 240.0), (160.0, 160.0), (320.0, 160.0)]
     """
     side = float(round(min(width, height) * share))
+    middle = Region(width / 2, height / 2, max(side, _MIN_CROP))
+    if side < _MIN_CROP:
+        return [middle]
 
     def centers(length: int) -> list[float]:
         count = 1 + math.ceil(2 * (length - side) / side)
         return [float(center) for center in np.linspace(side / 2, length - side / 2, count)]
 
-    middle = Region(width / 2, height / 2, side)
     grid = [Region(u, v, side) for v in centers(height) for u in centers(width)]
     return [middle, *(tile for tile in grid if (tile.u, tile.v) != (middle.u, middle.v))]
 

@@ -40,6 +40,11 @@ class Region:
         """Say whether a body may stand here: a real size, and not tilted by more than this."""
         return math.isfinite(self.side) and self.side > 4.0 and abs(self.angle_rad) <= max_tilt_rad
 
+    def resembles(self, other: Region) -> bool:
+        """Say whether both hold the same thing: middles and sides that differ by less than a fifth."""
+        near = math.hypot(self.u - other.u, self.v - other.v) < 0.2 * other.side
+        return near and abs(self.side - other.side) < 0.2 * other.side
+
     def wider(self, scale: float) -> Region:
         """Return an upright square around the same middle, its side longer by ``scale``."""
         return Region(self.u, self.v, scale * self.side)
