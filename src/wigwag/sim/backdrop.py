@@ -75,9 +75,9 @@ def backdrop(
             k = min(n_sky - 1, int(wz * n_sky))
             r, g, b = sky[k, 0], sky[k, 1], sky[k, 2]
             if wz > np.float32(0.06):
-                s = np.float32(24.0) / wz
-                cover = clouds[int(s * wy + 65536) & n_cloud, int(s * wx + 65536) & n_cloud]
-                cover *= min(one, np.float32(5.0) * (wz - np.float32(0.06)))
+                s = np.float32(96.0) / wz
+                cloud = np.float32(clouds[int(s * wy + 65536) & n_cloud, int(s * wx + 65536) & n_cloud])
+                cover = cloud * min(one, np.float32(5.0) * (wz - np.float32(0.06))) * np.float32(1 / 255)
                 r += (np.float32(250) - r) * cover
                 g += (np.float32(250) - g) * cover
                 b += (np.float32(252) - b) * cover

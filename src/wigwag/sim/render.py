@@ -135,10 +135,11 @@ class Renderer:
             rgb, depth, self._camera, position, rotation, scene.ground.texels, scene.ground.starts,
             scene.ground.texel_m, scene.levels, scene.patches, scene.sky, scene.clouds, scene.skyline,
         )  # fmt: skip
+        # A box throws the shadow of a ball that is somewhat smaller than the one around it.
+        thick = all_of.radii * np.where(all_of.is_box, 0.62, 1.0)[:, None]
         shadows(
-            rgb, depth, self._camera, position, rotation, all_of.a, all_of.b, all_of.radii, scene.sun,
-            self._cover,
-        )  # fmt: skip
+            rgb, depth, self._camera, position, rotation, all_of.a, all_of.b, thick, scene.sun, self._cover
+        )
         light = np.concatenate([rotation @ scene.sun, rotation[:, 2], scene.strengths])
         resolve(
             rgb, depth, self._nearest, self._seen, boxes, self._camera, placed, rotation, position, light,

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.fft
-from jaxtyping import Float, Float32, Int64, UInt32
+from jaxtyping import Float, Float32, Int64, UInt8, UInt32
 
 from wigwag.sim.shapes import Shapes, Surface, linear_rgb
 
@@ -29,7 +29,7 @@ class SceneConfig:
 
     ground: str = "meadow"
     """``"meadow"`` or ``"gravel"``."""
-    clutter: int = 10
+    clutter: int = 14
     """How many trees, poles and boxes stand 8 to 20 m around."""
     sun_elevation_deg: float = 42.0
     sun_azimuth_deg: float | None = None
@@ -121,8 +121,9 @@ def _sky() -> Float32[np.ndarray, "64 3"]:
     return np.asarray(horizon + k * (zenith - horizon), dtype=np.float32)
 
 
-def _clouds(rng: np.random.Generator) -> Float32[np.ndarray, "256 256"]:
-    return np.asarray(np.clip(0.5 * _noise(rng, 256, 1.7), 0, 0.85), dtype=np.float32)
+def _clouds(rng: np.random.Generator) -> UInt8[np.ndarray, "1024 1024"]:
+    """How much of the sky a cloud covers, 255 for all of it."""
+    return np.asarray(255 * np.clip(0.5 * _noise(rng, _SIDE, 1.7), 0, 0.85), dtype=np.uint8)
 
 
 def _leaves(rng: np.random.Generator) -> Float32[np.ndarray, "256 256"]:
