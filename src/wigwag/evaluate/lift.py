@@ -18,7 +18,7 @@ from wigwag.skeleton import LANDMARKS
 FITTED_ON: tuple[str, ...] = ("s1", "s3", "s5", "s7")
 """On these people the statistic and the surface offsets were chosen; figures are given for the others."""
 
-JOINTS: dict[str, tuple[int, ...]] = {"head": (0,)} | {
+JOINTS: dict[str, tuple[int, ...]] = {"nose": (0,)} | {
     joint: tuple(i for i, name in enumerate(LANDMARKS) if name.endswith(joint))
     for joint in ("shoulder", "elbow", "wrist", "hip", "knee", "heel")
 }
