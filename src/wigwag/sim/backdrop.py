@@ -39,22 +39,29 @@ def backdrop(
     hr, hg, hb = sky[0, 0], sky[0, 1], sky[0, 2]
     tops = _skyline_tops(camera, rotation, skyline, width)
     rx, ry, rz = np.float32(rotation[0, 0]), np.float32(rotation[0, 1]), np.float32(rotation[0, 2])
+    step_x, step_y = inverse * rx * per_fx, inverse * ry * per_fx
+    slope = rz * per_fx
+    reach = np.empty(width, np.float32)
     for v in range(height):
         y = (np.float32(v) - cy) * per_fy
-        bx = np.float32(rotation[1, 0]) * y + np.float32(rotation[2, 0])
-        by = np.float32(rotation[1, 1]) * y + np.float32(rotation[2, 1])
-        bz = np.float32(rotation[1, 2]) * y + np.float32(rotation[2, 2])
+        wz0 = np.float32(rotation[1, 2]) * y + np.float32(rotation[2, 2]) - cx * slope
+        wx0 = inverse * (np.float32(rotation[1, 0]) * y + np.float32(rotation[2, 0])) - cx * step_x
+        wy0 = inverse * (np.float32(rotation[1, 1]) * y + np.float32(rotation[2, 1])) - cx * step_y
+        line = depth[v]
+        # Plain arithmetic on a whole row, which the compiler does many pixels at a time.
         for u in range(width):
-            x = (np.float32(u) - cx) * per_fx
-            wz = bz + rz * x
-            wx = bx + rx * x
-            wy = by + ry * x
+            t = -h / min(wz0 + slope * np.float32(u), np.float32(-1e-6))
+            reach[u] = t
+            line[u] = np.uint16(np.float32(1000.0) * t + np.float32(0.5)) if t < 65.0 else np.uint16(0)
+        for u in range(width):
+            t = reach[u]
+            column = np.float32(u)
+            wz = wz0 + slope * column
             if wz < np.float32(-0.005):
-                t = -h / wz
                 far = min(int(t + t), 255)
                 level = int(levels[far, 0])
-                gx = int(x0 + inverse * t * wx)
-                gy = int(y0 + inverse * t * wy)
+                gx = int(x0 + t * (wx0 + step_x * column))
+                gy = int(y0 + t * (wy0 + step_y * column))
                 mask = (side >> level) - 1
                 c = ground[starts[level] + ((gy >> level) & mask) * (mask + 1) + ((gx >> level) & mask)]
                 clear = levels[far, 1]
@@ -63,25 +70,24 @@ def backdrop(
                 rgb[v, u, 0] = np.uint8(np.float32(c & 255) * gain + haze * hr)
                 rgb[v, u, 1] = np.uint8(np.float32((c >> 8) & 255) * gain + haze * hg)
                 rgb[v, u, 2] = np.uint8(np.float32(c >> 16) * gain + haze * hb)
-                depth[v, u] = np.uint16(np.float32(1000.0) * t + np.float32(0.5)) if t < 65.0 else 0
-                continue
-            depth[v, u] = 0
-            if wz < tops[u]:
-                high = wz / tops[u]
+            elif wz < tops[u]:
+                high = max(wz, np.float32(0.0)) / tops[u]
                 rgb[v, u, 0] = np.uint8(62 + 30 * high)
                 rgb[v, u, 1] = np.uint8(86 + 22 * high)
                 rgb[v, u, 2] = np.uint8(74 + 26 * high)
-                continue
-            k = min(n_sky - 1, int(wz * n_sky))
-            r, g, b = sky[k, 0], sky[k, 1], sky[k, 2]
-            if wz > np.float32(0.06):
-                s = np.float32(96.0) / wz
-                cloud = np.float32(clouds[int(s * wy + 65536) & n_cloud, int(s * wx + 65536) & n_cloud])
-                cover = cloud * min(one, np.float32(5.0) * (wz - np.float32(0.06))) * np.float32(1 / 255)
-                r += (np.float32(250) - r) * cover
-                g += (np.float32(250) - g) * cover
-                b += (np.float32(252) - b) * cover
-            rgb[v, u, 0], rgb[v, u, 1], rgb[v, u, 2] = np.uint8(r), np.uint8(g), np.uint8(b)
+            else:
+                k = min(n_sky - 1, int(wz * n_sky))
+                r, g, b = sky[k, 0], sky[k, 1], sky[k, 2]
+                if wz > np.float32(0.06):
+                    s = np.float32(96.0 * texel_m) / wz
+                    cu = int(s * (wx0 + step_x * column) + np.float32(65536)) & n_cloud
+                    cv = int(s * (wy0 + step_y * column) + np.float32(65536)) & n_cloud
+                    cover = np.float32(clouds[cv, cu]) * np.float32(1 / 255)
+                    cover *= min(one, np.float32(5.0) * (wz - np.float32(0.06)))
+                    r += (np.float32(250) - r) * cover
+                    g += (np.float32(250) - g) * cover
+                    b += (np.float32(252) - b) * cover
+                rgb[v, u, 0], rgb[v, u, 1], rgb[v, u, 2] = np.uint8(r), np.uint8(g), np.uint8(b)
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
