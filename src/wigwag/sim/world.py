@@ -112,7 +112,8 @@ class World:
         config: What the world is like.
         seed: Draws clothes, surroundings, gusts, and all noise.
         operator: Who stands in front of the drone.
-        look: How the operator looks; drawn from the seed if ``None``.
+        look: How the operator looks; drawn from the seed if ``None``. A known person's head and limbs fit
+            if it is ``Look.from_seed(seed, person.height_m)``.
         clock: Seconds, for ``spent`` only.
 
     Example:
