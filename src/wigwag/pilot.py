@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from wigwag.camera import Frame
+from wigwag.errors import InputError
 from wigwag.fly.follow import FollowConfig, FollowLaw, Goal, wrap
 from wigwag.fly.movements import Movement, MovementConfig
 from wigwag.fly.operator import Mount, OperatorTrack, TrackConfig, rotation
@@ -49,6 +50,9 @@ class Step:
     """What one turn of the loop saw, decided and sent."""
 
     pose: Pose | None
+    """As measured, camera optical frame."""
+    movement: Pose | None
+    """The same without the drone's tilt and turn: what the spotter saw."""
     gesture: Gesture | None
     command: Command | None
     verdict: Verdict
@@ -66,7 +70,7 @@ class Pilot:
     Args:
         pose: Finds the operator in a frame.
         recogniser: Names clips.
-        vehicle: What is flown.
+        vehicle: What is flown. One that hovers already is taken over as it is.
         commands: Which command each gesture label stands for; labels not listed command nothing.
         config: Everything that can be set.
         clock: Processor time for the timings; never used for decisions.
@@ -89,7 +93,11 @@ class Pilot:
         self.track = OperatorTrack(self.config.track, self.config.mount)
         self.follow = FollowLaw(self.config.follow)
         self.movement = Movement(self.config.movement, self.config.goal)
-        self.supervisor = Supervisor(self.config.supervisor)
+        airborne = vehicle.mode in (FlightMode.HOLDING, FlightMode.STEERED)
+        mode = Mode.FOLLOWING if airborne else Mode.GROUNDED
+        self.supervisor = Supervisor(self.config.supervisor, mode)
+        self.trouble = ""
+        """The last complaint about a frame, for people to read."""
         self._last_ns: int | None = None
         self._commanded_ns: int | None = None
 
@@ -102,24 +110,36 @@ class Pilot:
             now_ns: Monotonic nanoseconds, the clock of the frame's and the vehicle's stamps.
         """
         began = self.clock()
-        pose = None if frame is None else self.pose(frame)
+        pose = None if frame is None else self._find(frame)
         seen = self.clock()
         state = self.vehicle.state
         self.track.observe_vehicle(state)
         if pose is not None:
             self.track.observe(pose)
-        gesture = None if pose is None else self.spotter.update(self._level(pose, state))
+        movement = None if pose is None else self._level(pose)
+        gesture = self.spotter.update(movement)
         command = self._command(gesture, now_ns)
         verdict = self._fly(command, state, now_ns)
         self._last_ns = now_ns
         done = self.clock()
-        return Step(pose, gesture, command, verdict, self.movement.goal, state, seen - began, done - seen)
+        return Step(
+            pose, movement, gesture, command, verdict, self.movement.goal, state, seen - began, done - seen
+        )
 
-    def _level(self, pose: Pose, state: VehicleState) -> Pose:
+    def _find(self, frame: Frame) -> Pose | None:
+        """Find the operator; a frame that cannot be used (no depth, out of order) is one without a pose."""
+        try:
+            return self.pose(frame)
+        except InputError as error:
+            self.trouble = str(error)
+            return None
+
+    def _level(self, pose: Pose) -> Pose:
         """Take the drone's tilt and turn out of a pose: what is left is the operator's own movement.
 
         The result stays in an optical frame (y down), level, looking along the line of sight to the track.
         """
+        state = self.track.state_at(pose.stamp_ns)
         body = np.stack([self.config.mount.to_body(joint) for joint in pose.joints])
         world = body @ rotation(state).T
         sight = self.track.position_m(pose.stamp_ns) - state.position_m
@@ -181,10 +201,10 @@ class Pilot:
     ) -> None:
         if verdict.mode is not Mode.FOLLOWING and before is Mode.FOLLOWING:
             self.movement.cancel(distance_m, altitude_m)
-        if verdict.mode is Mode.FOLLOWING and before in (Mode.HOLDING, Mode.LOST_PERSON, Mode.TAKING_OFF):
-            altitude = self.config.goal.altitude_m if before is Mode.TAKING_OFF else altitude_m
-            self.movement.cancel(distance_m, altitude)
-            self.follow.reset()
+        if verdict.mode is Mode.FOLLOWING and before is Mode.TAKING_OFF:
+            self.movement.approach(distance_m, self.config.goal)
+        elif verdict.mode is Mode.FOLLOWING and before is not Mode.FOLLOWING:
+            self.movement.cancel(distance_m, altitude_m)
         if verdict.accepted is not None:
             self.movement.start(verdict.accepted)
         match verdict.action:

@@ -3,24 +3,51 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, Protocol
 
 import tyro
 from rich.console import Console
+from rich.markup import escape
 
+from wigwag.cli.benchmark import Benchmark
+from wigwag.cli.demo import Demo
+from wigwag.cli.doctor import Doctor
+from wigwag.cli.pose import PoseCommand
 from wigwag.errors import WigwagError
+
+
+class Runnable(Protocol):
+    """A parsed command."""
+
+    def run(self) -> int:
+        """Do it and return the exit code."""
+        ...
+
+
+Commands = (
+    Annotated[Demo, tyro.conf.subcommand("demo")]
+    | Annotated[Benchmark, tyro.conf.subcommand("benchmark")]
+    | Annotated[PoseCommand, tyro.conf.subcommand("pose")]
+    | Annotated[Doctor, tyro.conf.subcommand("doctor")]
+)
 
 
 def run(argv: Sequence[str] | None = None) -> int:
     """Parse the command line, run the command, return the exit code."""
-    from wigwag.cli.doctor import Doctor
-
-    commands = Annotated[Doctor, tyro.conf.subcommand("doctor")]
-    command = tyro.cli(commands, prog="wigwag", args=argv, description=__doc__)
+    command: Runnable = tyro.cli(
+        Commands,
+        prog="wigwag",
+        args=argv,
+        description="Fly a drone with your body.",
+        config=(tyro.conf.OmitSubcommandPrefixes, tyro.conf.OmitArgPrefixes),
+    )
     try:
         return command.run()
     except WigwagError as error:
-        Console(stderr=True).print(f"[bold red]error:[/] {error}", highlight=False)
+        Console(stderr=True).print(
+            f"[bold red]error:[/] {escape(str(error))}", highlight=False, soft_wrap=True
+        )
         return 2
     except KeyboardInterrupt:
+        Console(stderr=True).print("stopped")
         return 130

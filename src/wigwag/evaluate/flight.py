@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
 
@@ -53,6 +53,23 @@ class FlightLog:
     events: list[Gesture] = field(default_factory=list)
     """Only gestures with a label."""
     shown: list[Shown] = field(default_factory=list)
+
+    def append(self, other: FlightLog, offset_s: float) -> None:
+        """Add another flight that began ``offset_s`` after this one."""
+        shift_ns = round(offset_s * 1e9)
+        self.rows += [replace(row, time_s=row.time_s + offset_s) for row in other.rows]
+        self.shown += [
+            replace(s, start_s=s.start_s + offset_s, end_s=s.end_s + offset_s) for s in other.shown
+        ]
+        self.events += [
+            replace(
+                e,
+                onset_ns=e.onset_ns + shift_ns,
+                end_ns=e.end_ns + shift_ns,
+                decided_ns=e.decided_ns + shift_ns,
+            )
+            for e in other.events
+        ]
 
 
 @dataclass(frozen=True, slots=True)

@@ -85,6 +85,12 @@ class Movement:
         )
         self.command = None
 
+    def approach(self, distance_m: float, wanted: Goal) -> None:
+        """Begin where the drone is, at ``distance_m``, and move smoothly to what is wanted."""
+        self.goal = replace(wanted, distance_m=distance_m)
+        self._target = wanted
+        self.command = Command.TAKE_OFF
+
     def update(
         self, dt_s: float, drone_m: Float[np.ndarray, " 3"], operator_m: Float[np.ndarray, " 3"]
     ) -> Goal:

@@ -117,11 +117,12 @@ class OperatorTrack:
         self.seen_ns = pose.stamp_ns
 
     def _in_world(self, pose: Pose) -> Float[np.ndarray, " 3"]:
-        state = self._state_at(pose.stamp_ns)
+        state = self.state_at(pose.stamp_ns)
         body = self.mount.to_body(pose.hip_center)
         return np.asarray(state.position_m + rotation(state) @ body)
 
-    def _state_at(self, stamp_ns: int) -> VehicleState:
+    def state_at(self, stamp_ns: int) -> VehicleState:
+        """Return the drone's state at a stamp, interpolated; there must have been one."""
         after = next((s for s in self._states if s.stamp_ns >= stamp_ns), self._states[-1])
         before = next((s for s in reversed(self._states) if s.stamp_ns <= stamp_ns), self._states[0])
         if after.stamp_ns <= before.stamp_ns:

@@ -95,6 +95,7 @@ class Supervisor:
 
     Args:
         config: Limits.
+        mode: Where it begins: on the ground, or taking over a vehicle that hovers already.
 
     Example:
         >>> supervisor = Supervisor()
@@ -103,9 +104,9 @@ class Supervisor:
         <Action.TAKE_OFF: 'take_off'>
     """
 
-    def __init__(self, config: SupervisorConfig | None = None) -> None:
+    def __init__(self, config: SupervisorConfig | None = None, mode: Mode = Mode.GROUNDED) -> None:
         self.config = config or SupervisorConfig()
-        self.mode = Mode.GROUNDED
+        self.mode = mode
         self._lost_ns: int | None = None
 
     def step(self, situation: Situation) -> Verdict:

@@ -132,12 +132,19 @@ def training_sessions(
         person = Person.random(TRAINING_SEED + 1000 * seed + index)
         rng = np.random.default_rng([0xC11B, seed, index])
         script = plan_session(person, 1000 * seed + index, config)
-        sessions.append(_watch(person, script, sensor, rng))
+        sessions.append(watch(person, script, sensor, rng))
     return sessions
 
 
-def _watch(person: Person, script: Script, sensor: SensorConfig, rng: np.random.Generator) -> Session:
-    """See a session through a camera that keeps its distance, as the drone does."""
+def watch(person: Person, script: Script, sensor: SensorConfig, rng: np.random.Generator) -> Session:
+    """See a session through a camera that keeps its distance, as the drone does.
+
+    Args:
+        person: Who shows.
+        script: What is shown: procedural gestures or recordings.
+        sensor: The camera.
+        rng: Chooses where the camera hovers, sway and noise.
+    """
     operator = Operator(person, script, seed=int(rng.integers(1 << 31)))
     times, joints = play(operator, sensor.rate_hz, lambda _: np.array([-30.0, 0.0, 1.5]))
     # The person faces west, towards a far drone; the camera hovers at its own bearing and distance from

@@ -110,7 +110,7 @@ class Operator:
                 f"t_s={self._last_s}. Make a new Operator to start again."
             )
         self._last_s = t_s
-        turn = self._move(t_s, dt_s)
+        turn = self._move(t_s, dt_s, np.asarray(drone_position_m, dtype=np.float64)[:2])
         self._face(dt_s, np.asarray(drone_position_m, dtype=np.float64)[:2], turn)
         feet = self._feet.step(dt_s, self.root_xy, self.velocity_m_s, self.heading_rad, self._turn_rate)
         channels = self._rest + self._idle.at(t_s)
@@ -137,7 +137,7 @@ class Operator:
             return acts[self._act]
         return None
 
-    def _move(self, t_s: float, dt_s: float) -> float:
+    def _move(self, t_s: float, dt_s: float, drone_xy: Float[np.ndarray, 2]) -> float:
         """Walk on; return how far the body wants to turn away from the drone, radians."""
         walks = self.script.walks
         while self._walk < len(walks) and walks[self._walk].start_s + walks[self._walk].duration_s <= t_s:
@@ -148,6 +148,10 @@ class Operator:
         walk = walks[self._walk]
         # The midpoint rule keeps the path the same whatever the step.
         self.velocity_m_s = walk.velocity(t_s - dt_s / 2)
+        if walk.from_drone:
+            span = self.root_xy - drone_xy
+            c, s = span / max(float(np.hypot(*span)), 1e-6)
+            self.velocity_m_s = np.array([[c, -s], [s, c]]) @ self.velocity_m_s
         self.root_xy = self.root_xy + self.velocity_m_s * dt_s
         left_s = walk.start_s + walk.duration_s - t_s
         if walk.turn == 0 or t_s < walk.start_s or left_s < 0.45:

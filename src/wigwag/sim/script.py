@@ -50,6 +50,8 @@ class Walk:
     """How far the direction turns from beginning to end."""
     turn: float = 0.0
     """How far the body turns from the drone into the direction of walking: 0 not at all, 1 wholly."""
+    from_drone: bool = False
+    """The direction counts from straight away from the drone, wherever that is by then, not from east."""
 
     def ramp_s(self) -> float:
         """Seconds of getting going, and of coming to a stand."""
@@ -141,6 +143,9 @@ class ScriptConfig:
     """Least gap after take-off and before landing may be answered: the drone needs time to climb."""
     descend_s: float = 4.0
     """Gap after landing: the drone needs time to come down; the operator waits."""
+    step_back_m: float = 2.2
+    """How far the operator then steps back from the landed drone: near the ground its camera sees all of
+    a person, raised hands included, only from afar."""
 
     def __post_init__(self) -> None:
         """Check the names."""
@@ -215,6 +220,15 @@ class Planner:
         self.walks.append(walk)
         self.now_s += duration_s
 
+    def step_back(self) -> None:
+        """Walk backwards, away from the drone."""
+        speed, distance = 0.7, self.config.step_back_m
+        if distance <= 0:
+            return
+        walk = Walk(self.now_s, distance / speed + 0.5, 0.0, speed, from_drone=True)
+        self.walks.append(walk)
+        self.now_s += walk.duration_s + 0.8
+
     def act(self, motion: Performance | Replay, label: str, is_command: bool, subject: str = "") -> None:
         """Show a movement, maybe drifting."""
         start = self.now_s
@@ -247,8 +261,7 @@ class Planner:
 def plan_session(person: Person, seed: int, config: ScriptConfig | None = None) -> Script:
     """Plan a session of procedural gestures.
 
-    The operator does not walk while the drone stands on the ground (before it has taken off and after it
-    was asked to land), because it could not follow.
+    While the drone stands on the ground it cannot follow: the operator only steps straight back from it.
 
     Args:
         person: Who shows; determines how long each gesture lasts.
@@ -281,6 +294,7 @@ def plan_session(person: Person, seed: int, config: ScriptConfig | None = None) 
         elif name == Command.LAND.value:
             flying = False
             planner.wait(config.descend_s)
+            planner.step_back()
         elif flying:
             planner.gap()
         else:

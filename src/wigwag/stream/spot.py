@@ -1,14 +1,15 @@
-"""Which stretches of movement make up a gesture: the first spotting."""
+"""Which stretches of movement are a gesture: the first spotting."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
 
 from wigwag.gesture import Gesture
-from wigwag.skeleton import Clip, Landmark, Pose
+from wigwag.skeleton import Clip, Pose
 from wigwag.stream.segment import Segment, SegmentConfig, Segmenter
 
 
@@ -22,41 +23,35 @@ class Recogniser(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class SpotConfig:
-    """How stretches of movement are joined into candidates."""
+    """How stretches of movement become gestures."""
 
     segment: SegmentConfig = field(default_factory=SegmentConfig)
-    min_s: float = 0.45
-    """Anything shorter is a twitch."""
-    max_s: float = 5.0
-    """Anything longer is no gesture."""
-    max_joined: int = 4
-    join_gap_s: float = 1.3
-    """Pauses within a gesture (a held arm) are shorter than this."""
-    patience_s: float = 0.7
-    """How long to wait for the gesture to go on when the arms are not back at rest."""
-    margin_s: float = 0.15
-    """How much of the rest before and after goes into the clip."""
+    patience_s: float = 0.5
+    """How long a named stretch waits for a surer one that overlaps it, unless the body is at rest."""
+    margin_s: float = 0.10
+    """How much before and after a stretch goes into the clip."""
+    overlap_s: float = 0.3
+    """How far a gesture may reach back into the one before."""
 
 
 class Spotter:
-    """Cuts gestures out of a stream of poses and names each once.
+    """Finds gestures in a stream of poses and names each once.
 
-    A gesture may pause (an arm held up), so every run of neighbouring stretches of movement that ends
-    with the newest one is a candidate; the surest speaks, when the arms are back at rest or nothing has
-    followed for ``patience_s``.
+    Every stretch that the segmenter proposes is named; the surest name speaks as soon as the body is at
+    rest, or nothing surer has come for ``patience_s``.
 
     Args:
         recogniser: Names clips.
-        config: Joining and thresholds.
+        config: Patience and thresholds.
     """
 
     def __init__(self, recogniser: Recogniser, config: SpotConfig | None = None) -> None:
         self.recogniser = recogniser
         self.config = config or SpotConfig()
         self.segmenter = Segmenter(self.config.segment)
-        self._segments: list[Segment] = []
-        self._best: tuple[Gesture, int] | None = None
-        self._tried = Gesture(None, 0.0, reason="nothing tried")
+        self._best: Gesture | None = None
+        self._refused: Gesture | None = None
+        self._spoken_ns = 0
 
     def update(self, pose: Pose | None) -> Gesture | None:
         """Take in the newest pose and return a gesture when one has been decided.
@@ -67,76 +62,76 @@ class Spotter:
         """
         if pose is None:
             return None
-        ended = self.segmenter.update(pose)
-        if ended is not None:
-            self._add(ended)
-        if not self._segments or self.segmenter.moving:
+        for segment in self.segmenter.update(pose):
+            self._name(segment)
+        if self._best is not None:
+            waited_s = (pose.stamp_ns - self._best.end_ns) * 1e-9
+            if self.segmenter.resting or waited_s > self.config.patience_s:
+                return self._speak(self._best, pose.stamp_ns)
             return None
-        quiet_s = (pose.stamp_ns - self._segments[-1].end_ns) * 1e-9
-        if quiet_s < self.config.patience_s and not arms_hang(pose):
-            return None
-        return self._speak(pose.stamp_ns)
+        if self._refused is not None and self.segmenter.resting:
+            return self._speak(self._refused, pose.stamp_ns)
+        return None
 
     def reset(self) -> None:
         """Forget the stream, as when another person takes over."""
         self.segmenter.reset()
-        self._segments, self._best = [], None
+        self._best = self._refused = None
 
-    def _add(self, ended: Segment) -> None:
-        config = self.config
-        if self._segments:
-            pause_s = (ended.onset_ns - self._segments[-1].end_ns) * 1e-9
-            if pause_s > config.join_gap_s:
-                self._segments, self._best = [], None
-        self._segments = [*self._segments, ended][-config.max_joined :]
-        for first in range(len(self._segments)):
-            onset = self._segments[first].onset_ns
-            length_s = (ended.end_ns - onset) * 1e-9
-            if not config.min_s <= length_s <= config.max_s:
-                continue
-            gesture = self._name(onset, ended.end_ns)
-            if gesture is None:
-                continue
-            self._tried = gesture
-            if gesture.label is not None and (
-                self._best is None or gesture.confidence >= self._best[0].confidence
-            ):
-                self._best = (gesture, len(self._segments) - first)
-
-    def _name(self, onset_ns: int, end_ns: int) -> Gesture | None:
-        margin_ns = int(self.config.margin_s * 1e9)
-        clip = self.segmenter.clip(onset_ns - margin_ns, end_ns + margin_ns)
+    def _name(self, segment: Segment) -> None:
+        if segment.onset_ns < self._spoken_ns - int(self.config.overlap_s * 1e9):
+            return
+        clip = cut_out(self.segmenter, segment, self.config.margin_s)
         if clip is None:
-            return None
-        return replace(self.recogniser.recognise(clip), onset_ns=onset_ns, end_ns=end_ns)
+            return
+        gesture = self.recogniser.recognise(clip)
+        gesture = replace(gesture, onset_ns=segment.onset_ns, end_ns=segment.end_ns)
+        if gesture.label is None:
+            if self._refused is None or gesture.confidence >= self._refused.confidence:
+                self._refused = gesture
+        elif self._best is None or gesture.confidence > self._best.confidence:
+            self._best = gesture
 
-    def _speak(self, now_ns: int) -> Gesture | None:
-        best, self._best = self._best, None
-        segments, self._segments = self._segments, []
-        if best is not None:
-            return replace(best[0], decided_ns=now_ns)
-        if self._tried.end_ns == segments[-1].end_ns:
-            return replace(self._tried, label=None, decided_ns=now_ns)
-        return None
+    def _speak(self, gesture: Gesture, now_ns: int) -> Gesture:
+        self._best = self._refused = None
+        if gesture.label is not None:
+            self._spoken_ns = gesture.end_ns
+        return replace(gesture, decided_ns=now_ns)
 
 
-def arms_hang(pose: Pose, reach: float = 0.45) -> bool:
-    """Say whether both wrists hang below the elbows, near the hips.
+def cut_out(segmenter: Segmenter, segment: Segment, margin_s: float) -> Clip | None:
+    """Return a proposed stretch as a clip, with ``margin_s`` of what is around it."""
+    margin_ns = int(margin_s * 1e9)
+    return segmenter.clip(segment.onset_ns - margin_ns, segment.end_ns + margin_ns)
+
+
+def background(
+    stream: Clip,
+    gestures: Sequence[Segment],
+    config: SpotConfig | None = None,
+    max_iou: float = 0.5,
+) -> list[Clip]:
+    """Return what the spotter would propose in a stream though it is no whole gesture.
+
+    Halves of gestures, gestures run together with walking, walking itself: a recogniser that has such
+    clips among its training clips, without label, refuses them in flight.
 
     Args:
-        pose: Camera optical frame, y down.
-        reach: How far a wrist may be from its hip, as a share of the torso's length times two.
+        stream: A training person's stream of poses.
+        gestures: Where the gestures truly are.
+        config: The spotter's.
+        max_iou: A proposal that overlaps a gesture by more than this is no background.
     """
-    joints = pose.joints
-    torso = float(np.linalg.norm(
-        (joints[Landmark.LEFT_SHOULDER] + joints[Landmark.RIGHT_SHOULDER]) / 2 - pose.hip_center
-    ))  # fmt: skip
-    for shoulder, elbow, wrist, hip in (
-        (Landmark.LEFT_SHOULDER, Landmark.LEFT_ELBOW, Landmark.LEFT_WRIST, Landmark.LEFT_HIP),
-        (Landmark.RIGHT_SHOULDER, Landmark.RIGHT_ELBOW, Landmark.RIGHT_WRIST, Landmark.RIGHT_HIP),
-    ):
-        below = joints[wrist, 1] > joints[elbow, 1] > joints[shoulder, 1]
-        near = np.linalg.norm(joints[wrist] - joints[hip]) < 2 * reach * torso
-        if not (below and near):
-            return False
-    return True
+    config = config or SpotConfig()
+    segmenter = Segmenter(config.segment)
+    visibility = np.ones(13)
+    clips = []
+    for joints, stamp_ns in zip(stream.joints, stream.stamps_ns, strict=True):
+        for segment in segmenter.update(Pose(joints, visibility, int(stamp_ns))):
+            if max((segment.iou(gesture) for gesture in gestures), default=0.0) > max_iou:
+                continue
+            clip = cut_out(segmenter, segment, config.margin_s)
+            if clip is not None:
+                name = f"no gesture of {stream.subject} at {segment.onset_ns * 1e-9:.2f} s"
+                clips.append(replace(clip, subject=stream.subject, name=name))
+    return clips

@@ -67,14 +67,14 @@ def draw_skeleton(
     points = np.asarray(points_px, dtype=np.float64)
     seen = np.ones(len(points)) if visibility is None else np.asarray(visibility, dtype=np.float64)
     # Far outside of the picture OpenCV's integers would overflow, and nothing is to be seen there.
-    usable = np.all(np.isfinite(points) & (np.abs(np.nan_to_num(points)) < 1e5), axis=1).tolist()
-    eighths = np.round(np.nan_to_num(points) * 2**_SHIFT)
-    places = [(int(u), int(v)) if fine else (0, 0) for (u, v), fine in zip(eighths, usable, strict=True)]
+    usable = np.all(np.isfinite(points) & (np.abs(points) < 1e5), axis=1)
+    eighths = np.round(np.where(usable[:, None], points, 0.0) * 2**_SHIFT).astype(int).tolist()
+    places = [(u, v) for u, v in eighths]
     width = _line_width(picture, points[usable])
     sides = [_side(name) for name in names]
     lines = [(a, b) for a, b in bones if usable[a] and usable[b]]
     for a, b in lines:
-        cv2.line(picture, places[a], places[b], _OUTLINE, width + 2, cv2.LINE_AA, _SHIFT)
+        cv2.line(picture, places[a], places[b], _OUTLINE, width + max(2, width // 2), cv2.LINE_AA, _SHIFT)
     for a, b in lines:
         color = sides[a] if sides[a] == sides[b] else MIDDLE
         clear = min(seen[a], seen[b])
@@ -116,14 +116,15 @@ def draw_banner(picture: Picture, text: str, detail: str = "", color: Color = MI
 def _names(picture: Picture, body: Body) -> None:
     """Write the landmarks' names beside them, away from the body, where there is room."""
     scale = max(0.3, min(picture.shape[:2]) / 1500)
-    middle = body.hip_center_px[0]
+    height, width = picture.shape[:2]
+    middle = (float(body.points_px[Point.LEFT_HIP, 0]) + float(body.points_px[Point.RIGHT_HIP, 0])) / 2
     taken: list[tuple[float, float, float, float]] = []
     for point in _LABELLED:
-        if body.visibility[point] < 0.5:
+        u, v = (float(x) for x in body.points_px[point])
+        if body.visibility[point] < 0.5 or not (0 <= u < width and 0 <= v < height):
             continue
         text = point.name.lower().removeprefix("left_").removeprefix("right_")
         (wide, high), _ = cv2.getTextSize(text, _FONT, scale, 1)
-        u, v = (float(x) for x in body.points_px[point])
         u = u + 7 if u >= middle else u - wide - 7
         box = (u, v - high, u + wide, v + high)
         if any(box[0] < o[2] and o[0] < box[2] and box[1] < o[3] and o[1] < box[3] for o in taken):

@@ -1,0 +1,230 @@
+"""``wigwag demo``: the whole chain on a simulated drone, from pixels to flight."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import resource
+import tempfile
+import time
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from wigwag.errors import InputError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from wigwag.evaluate.session import Session
+    from wigwag.pose.estimator import PoseEstimator
+    from wigwag.recognise import EncodedRecognizer, HeavyRecognizer
+    from wigwag.view.report import Still
+
+
+@dataclass(frozen=True)
+class Demo:
+    """Fly a simulated drone by the gestures of a simulated operator; every pose comes from rendered pixels.
+
+    Writes summary.json, report.html and demo.mp4. Example: wigwag demo --seed 2 --out out
+    """
+
+    motion: Literal["gestures", "utd-mhad"] = "gestures"
+    """What moves the operator: procedural marshalling signals, or the recordings of real people."""
+    data: Path | None = None
+    """Folder of UTD-MHAD (with Skeleton.zip or Skeleton/); needed for --motion utd-mhad."""
+    seed: int = 1
+    """Chooses the person, the order, and all noise."""
+    out: Path = Path("out")
+    """Folder for what is written."""
+    recognizer: Literal["heavy", "encoded"] = "heavy"
+    """Which of the paper's recognisers decides."""
+    film: bool = True
+    """Write demo.mp4."""
+
+    def run(self) -> int:
+        """Teach, fly, judge, report; return 0."""
+        from rich.console import Console
+
+        if not 0 <= self.seed < 1_000_000:
+            raise InputError(
+                f"--seed must be from 0 to 999999, but got {self.seed}; above are training people."
+            )
+        began = time.monotonic()
+        try:
+            self.out.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"--out {self.out}: cannot be made a folder ({error}). Name another.") from error
+        console = Console()
+        if self.motion == "utd-mhad":
+            from wigwag.cli.demo_recorded import fly_recorded
+
+            summary = fly_recorded(self, console)
+        else:
+            summary = self._fly_procedural(console)
+        summary["wall_s"] = round(time.monotonic() - began, 1)
+        (self.out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
+        account(console, summary, self.out)
+        return 0
+
+    def _fly_procedural(self, console: Console) -> dict[str, Any]:
+        from wigwag.evaluate.lessons import teach_procedural
+
+        with tempfile.TemporaryDirectory() as folder:
+            model = Path(folder) / "demo.wigwag"
+            # Teaching takes a core of its own, while this one finds the networks and builds the world; and
+            # what it needs of memory goes with it.
+            with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+                taught = pool.submit(teach_procedural, model, self.recognizer)
+                with console.status("Teaching ten gestures by eight simulated training people ..."):
+                    estimator = pose_estimator()
+                    session = self._procedural_session(estimator)
+                    clips = taught.result()
+            recogniser = load_recogniser(self.recognizer, model)
+        session.pilot.spotter.recogniser = recogniser
+        stills = fly(session, estimator, console, self.out / "demo.mp4" if self.film else None)
+        summary = account_of(session, self, {"clips_taught": clips})
+        write(self, session, summary, stills)
+        return summary
+
+    def _procedural_session(self, estimator: PoseEstimator) -> Session:
+        from wigwag.evaluate.session import Session
+        from wigwag.pilot import Pilot
+        from wigwag.sim.motion import Operator
+        from wigwag.sim.paint import Look
+        from wigwag.sim.person import Person
+        from wigwag.sim.quadrotor import QuadrotorConfig
+        from wigwag.sim.script import plan_session
+        from wigwag.sim.world import World, WorldConfig
+
+        person = Person.random(self.seed)
+        script = plan_session(person, self.seed)
+        # On the ground a level camera sees raised hands only from afar.
+        operator = Operator(person, script, position_m=(6.0, 0.0), seed=self.seed)
+        config = WorldConfig(quadrotor=QuadrotorConfig(position_m=(0.0, 0.0, 0.0)))
+        world = World(config, self.seed, operator, Look.from_seed(self.seed, person.height_m))
+        return Session(world, Pilot(estimator, Untaught(), world.vehicle), script)
+
+
+class Untaught:
+    """Stands where the recogniser goes until it has been taught."""
+
+    def recognise(self, clip: object) -> Any:
+        """Refuse: nothing has been taught yet."""
+        raise InputError("The recogniser has not been taught yet.")
+
+
+def pose_estimator() -> PoseEstimator:
+    """Find or fetch the networks and make them ready."""
+    from wigwag.pose.estimator import PoseEstimator
+
+    return PoseEstimator()
+
+
+def load_recogniser(name: str, model: Path) -> HeavyRecognizer | EncodedRecognizer:
+    """Read a taught recogniser."""
+    from wigwag.evaluate.lessons import RECOGNISERS
+
+    return RECOGNISERS[name].load(model)
+
+
+def fly(session: Session, estimator: PoseEstimator, console: Console, film: Path | None) -> list[Still]:
+    """Fly a session to its end; show progress, film it, and keep a still of each labelled gesture."""
+    from contextlib import nullcontext
+
+    from wigwag.view.cockpit import Cockpit
+    from wigwag.view.film import Film
+    from wigwag.view.report import Still, jpeg
+
+    stills: list[Still] = []
+    cockpit = Cockpit()
+    frames = int(session.script.duration_s * session.world.config.rate_hz)
+    with (
+        _progress(console) as progress,
+        nullcontext() if film is None else Film(film, rate_hz=10) as recording,
+    ):
+        task = progress.add_task("flying", total=frames, gestures=0)
+        for count, turn in enumerate(session.fly()):
+            cockpit.note(turn)
+            spoken = turn.step.gesture is not None and turn.step.gesture.label is not None
+            if (recording is not None and count % 3 == 0) or spoken:
+                picture = cockpit.draw(turn, estimator.body)
+                if recording is not None and count % 3 == 0:
+                    recording.add(picture)
+                if spoken and turn.step.gesture is not None and len(stills) < 60:
+                    caption = f"{turn.row.time_s:.1f} s: {str(turn.step.gesture.label).replace('_', ' ')}"
+                    stills.append(Still(caption, jpeg(picture[:, :640])))
+            if count % 15 == 0 or count == frames - 1:
+                progress.update(task, completed=count + 1, gestures=len(session.log.events))
+    return stills
+
+
+def _progress(console: Console) -> Progress:
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("frames, {task.fields[gestures]} commands understood"),
+        TimeRemainingColumn(),
+        console=console,
+    )
+
+
+def account_of(session: Session, demo: Demo, extra: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Return the figures of a session in the form of summary.json."""
+    from wigwag import __version__
+    from wigwag.evaluate.flight import summarise
+
+    figures = summarise(session.log)
+    return {
+        "command": "demo",
+        "version": __version__,
+        "motion": demo.motion,
+        "seed": demo.seed,
+        "recognizer": demo.recognizer,
+        **figures,
+        "duration_s": round(session.script.duration_s, 1),
+        "rss_mb": round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024),
+        **(extra or {}),
+    }
+
+
+def write(demo: Demo, session: Session, summary: dict[str, Any], stills: list[Still]) -> None:
+    """Write the report."""
+    from wigwag.view.report import write_report
+
+    film = demo.out / "demo.mp4"
+    shown = film if demo.film and film.stat().st_size < 24_000_000 else None
+    write_report(demo.out / "report.html", summary, session.log, stills, shown)
+
+
+def account(console: Console, summary: dict[str, Any], out: Path) -> None:
+    """Print the short account."""
+    gestures, follow = summary["gestures"], summary["follow"]
+    console.print(
+        f"[bold]{gestures['recognised']} of {gestures['shown']} commands recognised[/], "
+        f"{gestures['wrong']} wrong, {summary['false_commands']} false "
+        f"({summary['others_shown']} other gestures shown)."
+    )
+    if "clips" in summary:
+        clips = summary["clips"]
+        console.print(
+            f"One by one: {clips['right']} of {clips['shown']} recordings right, {clips['wrong']} wrong."
+        )
+    console.print(
+        f"Operator found in {100 * summary['pose']['found']:.1f} % of {summary['pose']['frames']} frames; "
+        f"{summary['loop']['hz']:.0f} frames a second of one core, world included; {summary['rss_mb']} MB."
+    )
+    if follow:
+        bearing, distance = follow["bearing_error_deg"], follow["distance_error_m"]
+        console.print(
+            f"Bearing error {bearing['mean']:.2f} degrees mean, {bearing['max']:.1f} at worst; "
+            f"distance error {distance['mean']:.2f} m mean, {distance['max']:.2f} at worst."
+        )
+    console.print(
+        f"Look at [bold]{out / 'report.html'}[/] and {out / 'demo.mp4'}; figures: {out / 'summary.json'}"
+    )

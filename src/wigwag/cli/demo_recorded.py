@@ -1,0 +1,135 @@
+"""``wigwag demo --motion utd-mhad``: real people's recorded movements drive the rendered operator."""
+
+from __future__ import annotations
+
+import multiprocessing
+import tempfile
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wigwag.errors import InputError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from wigwag.cli.demo import Demo
+    from wigwag.evaluate.recorded import Item
+    from wigwag.evaluate.session import Session
+    from wigwag.pose.estimator import PoseEstimator
+    from wigwag.sim.person import Person
+    from wigwag.view.report import Still
+
+COMMANDS_EACH, OTHERS_EACH = 10, 5
+"""Commands and other recordings that each of the four people shows in the stream."""
+
+
+def fly_recorded(demo: Demo, console: Console) -> dict[str, Any]:
+    """Show every recording of the six classes one by one, then fly a stream of commands."""
+    from wigwag.cli.demo import account_of, fly, load_recogniser, pose_estimator, write
+    from wigwag.evaluate.flight import FlightLog, summarise
+    from wigwag.evaluate.recorded import SHOWN, load_person, teach_recorded
+    from wigwag.sim.script import ScriptConfig, plan_replays
+
+    if demo.data is None:
+        raise InputError(
+            "--motion utd-mhad needs --data: UTD-MHAD's folder (Skeleton.zip or Skeleton/)."
+        )
+    with tempfile.TemporaryDirectory() as folder:
+        model = Path(folder) / "demo.wigwag"
+        with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+            taught = pool.submit(teach_recorded, demo.data, model, demo.recognizer)
+            with console.status("Teaching six classes by the skeletons of subjects 1, 3, 5 and 7 ..."):
+                estimator = pose_estimator()
+                people = [load_person(demo.data, subject) for subject in SHOWN]
+                clips = taught.result()
+        recogniser = load_recogniser(demo.recognizer, model)
+
+    answers: list[dict[str, Any]] = []
+    stream = FlightLog()
+    stills: list[Still] = []
+    session: Session | None = None
+    for number, (person, items) in enumerate(people):
+        standing = ScriptConfig(walk_share=0.0, drift_share=0.0)
+        chosen = [item for item in items if item[2]]
+        console.print(f"{chosen[0][3]}: {len(chosen)} recordings one by one")
+        script = plan_replays(chosen, demo.seed, standing, shuffle=False)
+        session = make_session(person, script, estimator, recogniser, demo.seed + number)
+        fly(session, estimator, console, None)
+        answers += one_by_one(session, recogniser)
+    for number, (person, items) in enumerate(people):
+        mixed = choose(items, np.random.default_rng([0x3141, demo.seed, number]))
+        console.print(f"{mixed[0][3]}: a stream of {len(mixed)} recordings, walking between")
+        script = plan_replays(mixed, demo.seed + number)
+        session = make_session(person, script, estimator, recogniser, 100 + demo.seed + number)
+        film = demo.out / "demo.mp4" if demo.film and number == 0 else None
+        stills += fly(session, estimator, console, film)[:12]
+        stream.append(session.log, stream.rows[-1].time_s + 1.0 if stream.rows else 0.0)
+    assert session is not None
+    summary = account_of(session, demo, {"clips_taught": clips})
+    summary |= summarise(stream)
+    summary["duration_s"] = round(stream.rows[-1].time_s, 1)
+    right, wrong = (sum(a["outcome"] == o for a in answers) for o in ("right", "wrong"))
+    summary["clips"] = {
+        "shown": len(answers),
+        "right": right,
+        "wrong": wrong,
+        "null": len(answers) - right - wrong,
+        "not_right": [a for a in answers if a["outcome"] != "right"],
+    }
+    session.log = stream
+    write(demo, session, summary, stills)
+    return summary
+
+
+def make_session(
+    person: Person, script: Any, estimator: PoseEstimator, recogniser: Any, seed: int
+) -> Session:
+    """Put a person and a hovering drone into a new world."""
+    from wigwag.evaluate.recorded import COMMANDS
+    from wigwag.evaluate.session import Session
+    from wigwag.pilot import Pilot
+    from wigwag.sim.motion import Operator
+    from wigwag.sim.paint import Look
+    from wigwag.sim.world import World, WorldConfig
+
+    operator = Operator(person, script, position_m=(4.0, 0.0), seed=seed)
+    look = Look.from_seed(seed, person.height_m)
+    world = World(WorldConfig(), seed, operator, look)
+    estimator.reset()
+    return Session(world, Pilot(estimator, recogniser, world.vehicle, commands=COMMANDS), script)
+
+
+def choose(items: list[Item], rng: np.random.Generator) -> list[Item]:
+    """Draw commands, evenly over the classes, and other recordings."""
+    commands = [item for item in items if item[2]]
+    others = [item for item in items if not item[2]]
+    by_class: dict[str, list[Item]] = {}
+    for index in rng.permutation(len(commands)):
+        by_class.setdefault(commands[int(index)][1], []).append(commands[int(index)])
+    names = sorted(by_class)
+    drawn = [by_class[names[i % len(names)]][i // len(names)] for i in range(COMMANDS_EACH)]
+    return drawn + [others[int(i)] for i in rng.permutation(len(others))[:OTHERS_EACH]]
+
+
+def one_by_one(session: Session, recogniser: Any) -> list[dict[str, Any]]:
+    """Name each recording by the poses that the chain measured while it was shown."""
+    from wigwag.skeleton import Clip
+
+    stamps = np.array([pose.stamp_ns for pose in session.movements]) * 1e-9
+    answers = []
+    for shown in session.script.shown:
+        inside = np.flatnonzero((stamps >= shown.start_s - 0.1) & (stamps <= shown.end_s + 0.1))
+        label, reason = None, "the operator was not seen"
+        if len(inside) >= 4:
+            clip = Clip.from_poses([session.movements[int(i)] for i in inside], name=shown.label)
+            gesture = recogniser.recognise(replace(clip, subject=shown.subject))
+            label, reason = gesture.label, gesture.reason
+        outcome = "right" if label == shown.label else "null" if label is None else "wrong"
+        answers.append(
+            {"shown": shown.label, "subject": shown.subject, "got": label, "outcome": outcome, "why": reason}
+        )
+    return answers

@@ -1,0 +1,59 @@
+"""What the demo's recogniser is taught: training people only, never the person who is shown."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from wigwag.recognise import EncodedRecognizer, HeavyRecognizer
+from wigwag.sim.clips import Session, cut, training_sessions
+from wigwag.skeleton import Clip
+from wigwag.stream.segment import Segment
+from wigwag.stream.spot import SpotConfig, background
+
+RECOGNISERS = {"heavy": HeavyRecognizer, "encoded": EncodedRecognizer}
+
+
+@dataclass(frozen=True, slots=True)
+class LessonConfig:
+    """How much is taught."""
+
+    people: int = 8
+    repetitions: int = 2
+    refused_per_person: int = 20
+    """Clips a person of what the spotter would propose though it is no gesture."""
+    seed: int = 0
+
+
+def lessons(sessions: Sequence[Session], config: LessonConfig, spot: SpotConfig | None = None) -> list[Clip]:
+    """Cut training people's sessions into clips: gestures, other movements, and what is no gesture.
+
+    Args:
+        sessions: What a camera delivers of training people, with the truth about it.
+        config: How much of what is no gesture is taken.
+        spot: The spotter's settings, whose wrong proposals are taught as background.
+    """
+    rng = np.random.default_rng([0x7EAC, config.seed])
+    clips = []
+    for session in sessions:
+        clips += cut(session, seed=config.seed)
+        truth = [Segment(round(s.start_s * 1e9), round(s.end_s * 1e9)) for s in session.shown if s.is_command]
+        refused = background(session.stream, truth, spot)
+        some = rng.permutation(len(refused))[: config.refused_per_person]
+        clips += [replace(refused[int(i)], label=None) for i in some]
+    return clips
+
+
+def teach_procedural(model: Path, recognizer: str = "heavy", config: LessonConfig | None = None) -> int:
+    """Teach the ten commands by simulated training people and save the recogniser.
+
+    Returns:
+        How many clips were taught.
+    """
+    config = config or LessonConfig()
+    clips = lessons(training_sessions(config.people, config.repetitions, config.seed), config)
+    RECOGNISERS[recognizer](random_state=config.seed).fit(clips).save(model)
+    return len(clips)
