@@ -140,19 +140,21 @@ def _cover(
 ) -> None:  # fmt: skip
     """Mark how much of the sun the ground loses to one shape, whose shadow is taken as a flat capsule."""
     x0, y0, ex, ey = ends[0], ends[1], ends[2] - ends[0], ends[3] - ends[1]
-    ee = ex * ex + ey * ey + 1e-9
+    per_ee = 1.0 / (ex * ex + ey * ey + 1e-9)
+    per_fx = 1.0 / camera[0]
     for v in range(box[1], box[3]):
         y = (v - camera[3]) / camera[1]
         for u in range(box[0], box[2]):
-            x = (u - camera[2]) / camera[0]
+            x = (u - camera[2]) * per_fx
             wz = rotation[0, 2] * x + rotation[1, 2] * y + rotation[2, 2]
             if wz > -0.005:
                 continue
             t = -position[2] / wz
             gx = position[0] + t * (rotation[0, 0] * x + rotation[1, 0] * y + rotation[2, 0]) - x0
             gy = position[1] + t * (rotation[0, 1] * x + rotation[1, 1] * y + rotation[2, 1]) - y0
-            s = min(1.0, max(0.0, (gx * ex + gy * ey) / ee))
-            away = math.hypot(gx - s * ex, gy - s * ey)
+            s = min(1.0, max(0.0, (gx * ex + gy * ey) * per_ee))
+            dx, dy = gx - s * ex, gy - s * ey
+            away = math.sqrt(dx * dx + dy * dy)
             soft = (radii[0] + s * (radii[1] - radii[0]) + 0.02 - away) / 0.05
             if soft > cover[v, u]:
                 cover[v, u] = min(soft, 1.0)

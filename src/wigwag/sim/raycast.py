@@ -181,17 +181,20 @@ def hit_box(dx: float, dy: float, dz: float, ax: float, ay: float, az: float) ->
 
 
 @njit(cache=True, fastmath=True, inline="always")  # type: ignore[untyped-decorator]
-def hit(row: Float64[np.ndarray, 29], x: float, y: float) -> float:
-    """Depth at which the pixel's ray (x, y, 1) enters one placed shape, or ``FAR``."""
-    dx = row[0] * x + row[1] * y + row[2]
-    dy = row[3] * x + row[4] * y + row[5]
-    dz = row[6] * x + row[7] * y + row[8]
-    if row[BOX] > 0.0:
-        t: float = hit_box(dx, dy, dz, row[9], row[10], row[11])
+def hit(placed: Float64[np.ndarray, "shapes 29"], i: int, x: float, y: float) -> float:
+    """Depth at which the pixel's ray (x, y, 1) enters the placed shape ``i``, or ``FAR``.
+
+    The table goes in whole: a view of one row would cost more than the intersection.
+    """
+    dx = placed[i, 0] * x + placed[i, 1] * y + placed[i, 2]
+    dy = placed[i, 3] * x + placed[i, 4] * y + placed[i, 5]
+    dz = placed[i, 6] * x + placed[i, 7] * y + placed[i, 8]
+    if placed[i, BOX] > 0.0:
+        t: float = hit_box(dx, dy, dz, placed[i, 9], placed[i, 10], placed[i, 11])
         return t
     t = hit_capsule(
-        dx, dy, dz, row[9], row[10], row[11], row[12], row[13], row[14],
-        row[15], row[16], row[17], row[18], row[19],
+        dx, dy, dz, placed[i, 9], placed[i, 10], placed[i, 11], placed[i, 12], placed[i, 13], placed[i, 14],
+        placed[i, 15], placed[i, 16], placed[i, 17], placed[i, 18], placed[i, 19],
     )  # fmt: skip
     return t
 
@@ -210,11 +213,10 @@ def cast(
     seen[:] = -1
     for i in range(placed.shape[0]):
         u0, v0, u1, v1 = boxes[i]
-        row = placed[i]
         for v in range(v0, v1):
             y = (v - cy) * per_fy
             for u in range(u0, u1):
-                t = hit(row, (u - cx) * per_fx, y)
+                t = hit(placed, i, (u - cx) * per_fx, y)
                 if t < nearest[v, u]:
                     nearest[v, u] = t
                     seen[v, u] = i

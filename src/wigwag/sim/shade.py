@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from jaxtyping import Float64, UInt8
+from jaxtyping import UInt8
 from numba import njit
 
 from wigwag.sim.raycast import BOX, CUT, FAR, FIRST, SECOND, SURFACE, hit
@@ -33,11 +33,10 @@ def _inside(y: float, z: float, y0: float, z0: float, half_y: float, half_z: flo
 
 
 @njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
-def _face(
-    x: float, y: float, z: float, skin: Float64[np.ndarray, 3], hair: Float64[np.ndarray, 3], beard: float
-) -> tuple[float, float, float]:
+def _face(x: float, y: float, z: float, placed: np.ndarray, i: int) -> tuple[float, float, float]:
     """Colour of a face at (x forward, y left, z up), each as a share of the skull's radius."""
-    r, g, b = skin[0], skin[1], skin[2]
+    r, g, b = placed[i, FIRST], placed[i, FIRST + 1], placed[i, FIRST + 2]
+    hair = (placed[i, SECOND], placed[i, SECOND + 1], placed[i, SECOND + 2])
     side = abs(y)
     hairline = 0.50 - 0.35 * max(0.0, side - 0.55)
     if z > hairline + 0.1 * y * y or (x < 0.12 and z > -0.75):
@@ -54,7 +53,7 @@ def _face(
         return 0.55 * r + 0.06, 0.33 * g, 0.33 * b
     if _inside(side, z, 0.40, -0.24, 0.27, 0.20):
         return 0.82 * r, 0.78 * g, 0.76 * b
-    if beard > 0.5 and (z < -0.88 or (side > 0.52 and z < -0.45)):
+    if placed[i, CUT] > 0.5 and (z < -0.88 or (side > 0.52 and z < -0.45)):
         return 0.45 * r + 0.55 * hair[0], 0.45 * g + 0.55 * hair[1], 0.45 * b + 0.55 * hair[2]
     if _inside(side, z, 0.46, -0.62, 0.24, 0.20):
         return min(1.0, 1.06 * r), 0.88 * g, 0.86 * b
@@ -63,58 +62,58 @@ def _face(
 
 @njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
 def shade(
-    row: np.ndarray, t: float, x: float, y: float, rotation: np.ndarray, position: np.ndarray,
+    placed: np.ndarray, i: int, t: float, x: float, y: float, rotation: np.ndarray, position: np.ndarray,
     light: np.ndarray, leaves: np.ndarray,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Linear colour of a placed shape where the ray (x, y, 1) meets it at depth ``t``.
+    """Linear colour of the placed shape ``i`` where the ray (x, y, 1) meets it at depth ``t``.
 
     ``light`` holds, in the camera optical frame, the unit vector to the sun (3) and up (3), then the
     strength of sun, sky and ground light. ``leaves`` is seamless noise, 0 to 1.
     """
-    px = t * (row[0] * x + row[1] * y + row[2]) - row[9]
-    py = t * (row[3] * x + row[4] * y + row[5]) - row[10]
-    pz = t * (row[6] * x + row[7] * y + row[8]) - row[11]
+    px = t * (placed[i, 0] * x + placed[i, 1] * y + placed[i, 2]) - placed[i, 9]
+    py = t * (placed[i, 3] * x + placed[i, 4] * y + placed[i, 5]) - placed[i, 10]
+    pz = t * (placed[i, 6] * x + placed[i, 7] * y + placed[i, 8]) - placed[i, 11]
     along = 0.0
-    if row[BOX] > 0.0:
+    if placed[i, BOX] > 0.0:
         ax, ay, az = abs(px), abs(py), abs(pz)
         top = max(ax, ay, az)
         nx = math.copysign(1.0, px) if ax == top else 0.0
         ny = math.copysign(1.0, py) if ay == top and nx == 0.0 else 0.0
         nz = math.copysign(1.0, pz) if nx == 0.0 and ny == 0.0 else 0.0
     else:
-        reach = px * row[12] + py * row[13] + pz * row[14]
-        foot = min(max((reach - row[18] * row[16]) / row[19], 0.0), row[15])
-        along = foot / row[15] if row[15] > 0.0 else 0.0
-        nx, ny, nz = px - foot * row[12], py - foot * row[13], pz - foot * row[14]
+        reach = px * placed[i, 12] + py * placed[i, 13] + pz * placed[i, 14]
+        foot = min(max((reach - placed[i, 18] * placed[i, 16]) / placed[i, 19], 0.0), placed[i, 15])
+        along = foot / placed[i, 15] if placed[i, 15] > 0.0 else 0.0
+        nx, ny, nz = px - foot * placed[i, 12], py - foot * placed[i, 13], pz - foot * placed[i, 14]
     # Normals go back through the transposed map.
-    cx = row[0] * nx + row[3] * ny + row[6] * nz
-    cy = row[1] * nx + row[4] * ny + row[7] * nz
-    cz = row[2] * nx + row[5] * ny + row[8] * nz
+    cx = placed[i, 0] * nx + placed[i, 3] * ny + placed[i, 6] * nz
+    cy = placed[i, 1] * nx + placed[i, 4] * ny + placed[i, 7] * nz
+    cz = placed[i, 2] * nx + placed[i, 5] * ny + placed[i, 8] * nz
     size = math.sqrt(cx * cx + cy * cy + cz * cz)
     cx, cy, cz = cx / size, cy / size, cz / size
 
-    paint = int(row[SURFACE])
-    at = FIRST if along <= row[CUT] else SECOND
-    r, g, b = row[at], row[at + 1], row[at + 2]
+    paint = int(placed[i, SURFACE])
+    at = FIRST if along <= placed[i, CUT] else SECOND
+    r, g, b = placed[i, at], placed[i, at + 1], placed[i, at + 2]
     if paint == _FACE:
-        size = row[16]
-        r, g, b = _face(px / size, py / size, pz / size, row[FIRST:SECOND], row[SECOND:], row[CUT])
+        size = placed[i, 16]
+        r, g, b = _face(px / size, py / size, pz / size, placed, i)
     elif paint == _SHOE:
-        at = SECOND if pz < -0.55 * row[16] else FIRST
-        r, g, b = row[at], row[at + 1], row[at + 2]
+        at = SECOND if pz < -0.55 * placed[i, 16] else FIRST
+        r, g, b = placed[i, at], placed[i, at + 1], placed[i, at + 2]
     elif paint == _LEAVES:
         wx = t * (rotation[0, 0] * x + rotation[1, 0] * y + rotation[2, 0]) + position[0]
         wy = t * (rotation[0, 1] * x + rotation[1, 1] * y + rotation[2, 1]) + position[1]
         wz = t * (rotation[0, 2] * x + rotation[1, 2] * y + rotation[2, 2]) + position[2]
         mask = leaves.shape[0] - 1
         m = leaves[int(34.0 * (wx + wz) + 1e5) & mask, int(34.0 * (wy - 0.8 * wz) + 1e5) & mask]
-        r += m * (row[SECOND] - r)
-        g += m * (row[SECOND + 1] - g)
-        b += m * (row[SECOND + 2] - b)
+        r += m * (placed[i, SECOND] - r)
+        g += m * (placed[i, SECOND + 1] - g)
+        b += m * (placed[i, SECOND + 2] - b)
     elif paint == _PLANKS:
         line = pz * 2.0 - math.floor(pz * 2.0)
         if line < 0.06:
-            r, g, b = row[SECOND], row[SECOND + 1], row[SECOND + 2]
+            r, g, b = placed[i, SECOND], placed[i, SECOND + 1], placed[i, SECOND + 2]
 
     sun = max(0.0, cx * light[0] + cy * light[1] + cz * light[2])
     up = cx * light[3] + cy * light[4] + cz * light[5]
@@ -164,7 +163,7 @@ def _smoothed(
         best = float(FAR)
         which = -1
         for k in range(n):
-            t = hit(placed[around[k]], x, y)
+            t = hit(placed, around[k], x, y)
             if t < best:
                 best = t
                 which = k
@@ -175,7 +174,7 @@ def _smoothed(
             continue
         # Within one pixel only a face changes its colour.
         if paint[which, 0] < 0.0 or placed[around[which], SURFACE] == _FACE:
-            r, g, b = shade(placed[around[which]], best, x, y, rotation, position, light, leaves)
+            r, g, b = shade(placed, around[which], best, x, y, rotation, position, light, leaves)
             paint[which, 0] = tones[int(min(1.0, r) * top)]
             paint[which, 1] = tones[int(min(1.0, g) * top)]
             paint[which, 2] = tones[int(min(1.0, b) * top)]
@@ -224,7 +223,7 @@ def resolve(
                 continue
             face = i >= 0 and placed[i, SURFACE] == _FACE
             if not (edge or face):
-                r, g, b = shade(placed[i], z, (u - cx) * per_fx, y, rotation, position, light, leaves)
+                r, g, b = shade(placed, i, z, (u - cx) * per_fx, y, rotation, position, light, leaves)
                 rgb[v, u, 0] = tones[int(min(1.0, r) * top)]
                 rgb[v, u, 1] = tones[int(min(1.0, g) * top)]
                 rgb[v, u, 2] = tones[int(min(1.0, b) * top)]
