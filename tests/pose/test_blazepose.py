@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -11,6 +12,7 @@ import pytest
 from wigwag.errors import InputError, ModelError
 from wigwag.pose.blazepose import BlazePose, BlazePoseConfig, search_tiles
 from wigwag.pose.body import Body, Point
+from wigwag.pose.landmarker import Sighting
 from wigwag.pose.region import Region
 
 
@@ -133,6 +135,31 @@ def test_a_followed_person_costs_no_search_and_a_search_few_runs(
         places.update(runs)
     tiles = {tile for share in (2 / 3, 1 / 2) for tile in search_tiles(640, 480, share)}
     assert tiles <= places, "every crop gets its turn"
+
+
+def test_a_body_that_went_wrong_comes_right_again(
+    blazepose: BlazePose, photos: dict[str, np.ndarray], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Left and right exchanged, and doubtful about it: what happened when a person half left the picture."""
+    landmarker = blazepose._landmarker
+    right = blazepose.track(photos["land"])
+    assert right is not None
+    doubtful = [True]
+
+    def exchanged(rgb: np.ndarray, region: Region) -> Sighting:
+        seen = landmarker(rgb, region)
+        if not doubtful:
+            return seen
+        doubtful.clear()
+        points = seen.body.points_px * (-1, 1) + (2 * region.u, 0)
+        return Sighting(replace(seen.body, points_px=points, clarity=0.5), seen.region)
+
+    monkeypatch.setattr(blazepose, "_landmarker", exchanged)
+    body = blazepose.track(photos["land"])
+    assert not doubtful
+    assert body is not None
+    assert body.clarity > 0.7
+    assert torsos_apart(body, right.points_px) < 0.05
 
 
 def test_lost_and_found_again(blazepose: BlazePose, photos: dict[str, np.ndarray]) -> None:
