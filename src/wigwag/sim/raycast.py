@@ -139,21 +139,30 @@ def hit_capsule(
         qb = cos2 * (dn * an - da) + k * sine * dn
         qc = cos2 * (aa - an * an) - k * k
         disc = qb * qb - qa * qc
-        if qa > 1e-12 and disc < 0.0:
-            # Both spheres lie inside the endless cone: who misses it misses them.
-            return 1e9
-        if qa > 1e-12:
-            t = (-qb - math.sqrt(disc)) / qa
-            y = t * dn - an
-            foot = (y - sine * ra) / cos2
-            if 0.0 <= foot <= length and t > NEAR_M:
-                return t
+        if qa > 0.0:
+            if disc < 0.0:  # both spheres lie inside the endless cone: who misses it misses them
+                return 1e9
+            if qb < 0.0:
+                t = qc / (math.sqrt(disc) - qb)  # the first root, exact also where ``qa`` vanishes
+                foot = (t * dn - an - sine * ra) / cos2
+                if 0.0 <= foot <= length and t > NEAR_M:
+                    return t
+        elif disc >= 0.0:
+            # A ray steeper than the cone may enter at either root: one of them lies on the far nappe.
+            q = -qb - math.copysign(math.sqrt(disc), qb)
+            for root in range(2):
+                below = qa if root == 0 else q
+                if abs(below) > 1e-12:
+                    t = (q if root == 0 else qc) / below
+                    foot = (t * dn - an - sine * ra) / cos2
+                    if 0.0 <= foot <= length and NEAR_M < t < best:
+                        best = t
         bx, by, bz = ax + length * nx, ay + length * ny, az + length * nz
         db = dx * bx + dy * by + dz * bz
         disc = db * db - dd * (bx * bx + by * by + bz * bz - rb * rb)
         if disc > 0.0:
             t = (db - math.sqrt(disc)) / dd
-            if t > NEAR_M:
+            if NEAR_M < t < best:
                 best = t
     disc = da * da - dd * (aa - ra * ra)
     if disc > 0.0:
