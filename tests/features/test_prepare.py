@@ -58,6 +58,19 @@ def test_trimming_cuts_rest_at_both_ends_and_keeps_the_movement():
     assert (out.label, out.subject, out.name) == ("a", "b", "c")
 
 
+def test_rest_is_found_under_drift_and_noise():
+    rng = np.random.default_rng(0)
+    clip = swing(30, rest_s=1.0)
+    drift = clip.times_s[:, None, None] * np.array([0.4, 0.0, 0.3])
+    shaken = Clip(
+        clip.joints + drift + rng.normal(0, [0.006, 0.006, 0.015], clip.joints.shape), clip.stamps_ns
+    )
+    for seen in (clip, shaken):
+        out = Preparation(frames=None).apply(seen)
+        assert 0.7e9 < out.stamps_ns[0] < 1.2e9
+        assert out.duration_s == pytest.approx(1.0, abs=0.35)
+
+
 @pytest.mark.parametrize(
     "preparation", [Preparation(), Preparation(frames=None), Preparation(rate_hz=None, frames=2)]
 )

@@ -9,7 +9,16 @@ from jaxtyping import Float
 from scipy.ndimage import gaussian_filter1d
 
 from wigwag.errors import InputError
-from wigwag.skeleton import Clip
+from wigwag.skeleton import Clip, Landmark
+
+_DRIFT_S = 1 / 3
+"""Standard deviation of the Gaussian that tells drift from movement, seconds."""
+
+_FASTEST = 3
+"""Joints that say how fast a frame is."""
+
+_FLOOR_PERCENTILE = 10
+"""Percentile of a clip's speeds that is taken for noise."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,8 +38,8 @@ class Preparation:
     smooth_s: float = 0.1
     """Standard deviation of the Gaussian that smooths each coordinate over time, seconds; 0: none."""
     trim: float = 0.2
-    """Rest at both ends is cut off: frames whose mean joint speed is below this fraction of the clip's
-    highest; 0: none."""
+    """Rest at both ends is cut off: frames whose fastest joints stay below this fraction of the way from
+    the clip's noise floor to its highest speed; 0: none."""
     frames: int | None = 32
     """Resample to this many frames in all, whatever the duration; ``None``: keep the duration."""
 
@@ -55,26 +64,20 @@ class Preparation:
         if self == Preparation.none():
             return clip
         times = clip.times_s
-        # A grid at least as fine as the recording's own keeps the smoothing true to its seconds.
         rate = self.rate_hz or (len(clip) - 1) / times[-1]
-        grid = _grid(0.0, float(times[-1]), rate)
+        grid = np.linspace(0.0, times[-1], max(2, round(times[-1] * rate) + 1))
+        rate = (len(grid) - 1) / float(times[-1])  # both ends are kept, so the rate gives a little
         joints = _resample(clip.joints, times, grid)
         if self.smooth_s > 0:
-            sigma = self.smooth_s * (len(grid) - 1) / times[-1]
-            joints = gaussian_filter1d(joints, sigma, axis=0, mode="nearest")
+            joints = gaussian_filter1d(joints, self.smooth_s * rate, axis=0, mode="nearest")
         if self.trim > 0:
-            moving = _moving(joints, self.trim)
+            moving = _moving(joints, rate, self.trim)
             joints, grid = joints[moving], grid[moving]
         if self.frames is not None:
             even = np.linspace(grid[0], grid[-1], self.frames)
             joints, grid = _resample(joints, grid, even), even
         stamps = clip.stamps_ns[0] + np.round(grid * 1e9).astype(np.int64)
         return Clip(joints, stamps, clip.label, clip.subject, clip.name)
-
-
-def _grid(start: float, stop: float, rate_hz: float) -> Float[np.ndarray, " frames"]:
-    """Return even times from ``start`` to ``stop``, as near to the rate as both ends allow, 2 at least."""
-    return np.linspace(start, stop, max(2, round((stop - start) * rate_hz) + 1))
 
 
 def _resample(
@@ -89,10 +92,20 @@ def _resample(
     return np.asarray(before + weight[:, None, None] * (joints[after] - before))
 
 
-def _moving(joints: Float[np.ndarray, "frames 13 3"], fraction: float) -> slice:
-    """Find the frames between the first and the last fast one; everything if nothing moves."""
-    speed = np.linalg.norm(np.diff(joints, axis=0), axis=2).mean(axis=1)
-    fast = np.flatnonzero(speed > fraction * speed.max())
+def _moving(joints: Float[np.ndarray, "frames 13 3"], rate_hz: float, fraction: float) -> slice:
+    """Find the frames between the first and the last fast one; everything if nothing moves.
+
+    What a frame's speed is must survive a drifting camera and noisy depth: the body's slow horizontal
+    motion is taken out first (the slow part alone, since the hips' own noise would enter every joint),
+    the three fastest joints count, for averaged over all 13 a moving wrist drowns in noise, and speeds
+    are measured from the noise floor up.
+    """
+    hips = (joints[:, Landmark.LEFT_HIP] + joints[:, Landmark.RIGHT_HIP]) / 2
+    drift = gaussian_filter1d(hips, _DRIFT_S * rate_hz, axis=0, mode="nearest") * [1.0, 0.0, 1.0]
+    speeds = np.linalg.norm(np.diff(joints - drift[:, None, :], axis=0), axis=2)
+    speed = np.sort(speeds, axis=1)[:, -_FASTEST:].mean(axis=1)
+    floor = np.percentile(speed, _FLOOR_PERCENTILE)
+    fast = np.flatnonzero(speed > floor + fraction * (speed.max() - floor))
     if len(fast) == 0:
         return slice(0, len(joints))
     return slice(int(fast[0]), int(fast[-1]) + 2)
