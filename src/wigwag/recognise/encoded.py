@@ -100,7 +100,7 @@ class EncodedRecognizer(NearestRecognizer):
         sequences = self._embedding.transform([self._normalised(clip) for clip in clips])
         scaler = self._fit_scaler(sequences)
         every = max(1, -(-sum(map(len, sequences)) // self.max_frames))
-        frames = scaler.scale(np.concatenate(sequences)[::every])
+        frames = scaler.scale(np.concatenate([s[i % every :: every] for i, s in enumerate(sequences)]))
         self._fold(scaler, *self._train(frames))
         return [self._encode(sequence) for sequence in sequences]
 

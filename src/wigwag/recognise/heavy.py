@@ -85,7 +85,9 @@ class HeavyRecognizer(NearestRecognizer):
         self._references = [self._normalised(clip) for clip in clips]
         sequences = self._embedding.transform(self._references)
         self._scaler = self._fit_scaler(sequences)
-        return self._scaler.transform(sequences)
+        for i, sequence in enumerate(sequences):  # one by one: a second copy of all would not be small
+            sequences[i] = self._scaler.scale(sequence)
+        return sequences
 
     def _sequence(self, clip: Clip) -> Float[np.ndarray, "frames features"]:
         return self._scaler.scale(self._embedding.embed(self._normalised(clip)))
