@@ -98,8 +98,9 @@ class Confidence:
     once with its own gesture taken away from the references, as if it were a movement nobody taught, when
     any decision for a gesture is wrong. A logistic regression weighs three things: the margin (log of
     rival over nearest distance), the novelty (log of nearest over the distance that is typical between
-    people who show this gesture), and the share of votes. Right and wrong decisions count alike in total,
-    and a nearer rival, a farther example or fewer votes never make it surer.
+    people who show this gesture), and the share of votes. A nearer rival, a farther example or fewer votes
+    never make it surer. Where it was taught other movements as background, or its gestures lie far apart,
+    few of these trials go wrong, and it is sure of nearly everything that comes as far as a gesture.
 
     ``threshold_`` lets at most ``false_accept`` of the movements that are not a taught gesture pass as
     one, unless that would turn away more than ``false_reject`` of the right decisions. ``novelty_limit_``
@@ -217,13 +218,11 @@ def _fit_logistic(
 ) -> tuple[Float[np.ndarray, " 3"], float]:
     """Fit a logistic regression whose weights have the sign that sense demands, lightly held at 0."""
     sign = np.where(right, 1.0, -1.0)
-    # Balanced: both outcomes weigh as if each made up half of the decisions.
-    weight = np.where(right, 0.5 / right.mean(), 0.5 / (1 - right.mean()))
 
     def loss(x: np.ndarray) -> tuple[float, np.ndarray]:
         z = sign * (rows @ x[:3] + x[3])
-        slope = -sign * weight * expit(-z)
-        value = float(np.sum(weight * np.logaddexp(0, -z)) + 0.5 * x[:3] @ x[:3])
+        slope = -sign * expit(-z)
+        value = float(np.sum(np.logaddexp(0, -z)) + 0.5 * x[:3] @ x[:3])
         return value, np.append(rows.T @ slope + x[:3], slope.sum())
 
     bounds = [(0, None), (None, 0), (0, None), (None, None)]  # margin, novelty, share, offset
