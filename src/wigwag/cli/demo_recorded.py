@@ -35,9 +35,7 @@ def fly_recorded(demo: Demo, console: Console) -> dict[str, Any]:
     from wigwag.sim.script import ScriptConfig, plan_replays
 
     if demo.data is None:
-        raise InputError(
-            "--motion utd-mhad needs --data: UTD-MHAD's folder (Skeleton.zip or Skeleton/)."
-        )
+        raise InputError("--motion utd-mhad needs --data: UTD-MHAD's folder (Skeleton.zip or Skeleton/).")
     with tempfile.TemporaryDirectory() as folder:
         model = Path(folder) / "demo.wigwag"
         with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:

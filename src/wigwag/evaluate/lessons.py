@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from wigwag.recognise import EncodedRecognizer, HeavyRecognizer
 from wigwag.sim.clips import Session, cut, training_sessions
@@ -54,6 +55,17 @@ def teach_procedural(model: Path, recognizer: str = "heavy", config: LessonConfi
         How many clips were taught.
     """
     config = config or LessonConfig()
-    clips = lessons(training_sessions(config.people, config.repetitions, config.seed), config)
-    RECOGNISERS[recognizer](random_state=config.seed).fit(clips).save(model)
+    return teach(
+        lessons(training_sessions(config.people, config.repetitions, config.seed), config), model, recognizer
+    )
+
+
+def teach(clips: Sequence[Clip], model: Path, recognizer: str = "heavy", seed: int = 0) -> int:
+    """Fit a recogniser on one thread (its matrices are small: more threads only wait) and save it.
+
+    Returns:
+        How many clips were taught.
+    """
+    with threadpool_limits(1):
+        RECOGNISERS[recognizer](random_state=seed).fit(list(clips)).save(model)
     return len(clips)

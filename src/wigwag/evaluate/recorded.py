@@ -9,7 +9,7 @@ import numpy as np
 
 from wigwag.datasets.utd_mhad import RATE_HZ, load_raw20, load_skeletons
 from wigwag.errors import DataError
-from wigwag.evaluate.lessons import RECOGNISERS, LessonConfig, lessons
+from wigwag.evaluate.lessons import LessonConfig, lessons, teach
 from wigwag.fly.values import Command
 from wigwag.sim.clips import SensorConfig, watch
 from wigwag.sim.person import Person
@@ -70,6 +70,4 @@ def teach_recorded(
         script = plan_replays(items, config.seed, ScriptConfig(walk_share=0.3))
         rng = np.random.default_rng([0xACED, config.seed, int(subject[1:])])
         sessions.append(watch(person, script, SensorConfig(), rng))
-    clips = lessons(sessions, config)
-    RECOGNISERS[recognizer](random_state=config.seed).fit(clips).save(model)
-    return len(clips)
+    return teach(lessons(sessions, config), model, recognizer)

@@ -245,7 +245,7 @@ def warm_up(clips: Sequence[Clip], recognizer: str) -> None:
 def one_thread() -> Iterator[None]:
     """Hold numpy's, scikit-learn's and numba's thread pools to one thread."""
     import numba
-    from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]  # ships no types
+    from threadpoolctl import threadpool_limits
 
     threads = numba.get_num_threads()
     numba.set_num_threads(1)

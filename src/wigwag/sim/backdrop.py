@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 
 
-@njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, fastmath=True, nogil=True)  # type: ignore[untyped-decorator]
 def backdrop(
     rgb: np.ndarray, depth: np.ndarray, camera: np.ndarray, position: np.ndarray, rotation: np.ndarray,
     ground: np.ndarray, starts: np.ndarray, texel_m: float, levels: np.ndarray, patches: np.ndarray,
@@ -109,7 +109,7 @@ def _skyline_tops(camera: np.ndarray, rotation: np.ndarray, skyline: np.ndarray,
     return tops
 
 
-@njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, fastmath=True, nogil=True)  # type: ignore[untyped-decorator]
 def _shadow_box(
     ends: np.ndarray, reach: float, camera: np.ndarray, position: np.ndarray, rotation: np.ndarray,
     box: np.ndarray,
@@ -133,7 +133,7 @@ def _shadow_box(
     return True
 
 
-@njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, fastmath=True, nogil=True)  # type: ignore[untyped-decorator]
 def _cover(
     cover: np.ndarray, box: np.ndarray, ends: np.ndarray, radii: np.ndarray, camera: np.ndarray,
     position: np.ndarray, rotation: np.ndarray,
@@ -160,7 +160,7 @@ def _cover(
                 cover[v, u] = min(soft, 1.0)
 
 
-@njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, fastmath=True, nogil=True)  # type: ignore[untyped-decorator]
 def shadows(
     rgb: np.ndarray, depth: np.ndarray, camera: np.ndarray, position: np.ndarray, rotation: np.ndarray,
     a: np.ndarray, b: np.ndarray, radii: np.ndarray, sun: np.ndarray, cover: np.ndarray,

@@ -105,7 +105,7 @@ def _roughen_colour(rgb: np.ndarray, table: np.ndarray, start: int, out: np.ndar
         at = 0
 
 
-@njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, fastmath=True, nogil=True)  # type: ignore[untyped-decorator]
 def _roughen_depth(
     depth: np.ndarray, out: np.ndarray, disparity_noise: np.ndarray, chance: np.ndarray, blob: np.ndarray,
     at: np.ndarray, focal_baseline: float, step: float, nearest: float, farthest: float,

@@ -25,7 +25,7 @@ BOX, SURFACE, CUT, FIRST, SECOND = 20, 21, 22, 23, 26
 """Where in that table."""
 
 
-@njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, fastmath=True, nogil=True)  # type: ignore[untyped-decorator]
 def place(
     a: Float64[np.ndarray, "shapes 3"],
     b: Float64[np.ndarray, "shapes 3"],
@@ -208,7 +208,7 @@ def hit(placed: Float64[np.ndarray, "shapes 29"], i: int, x: float, y: float) ->
     return t
 
 
-@njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, fastmath=True, nogil=True)  # type: ignore[untyped-decorator]
 def cast(
     placed: Float64[np.ndarray, "shapes 29"],
     boxes: Int64[np.ndarray, "shapes 4"],

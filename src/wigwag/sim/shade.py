@@ -32,7 +32,7 @@ def _inside(y: float, z: float, y0: float, z0: float, half_y: float, half_z: flo
     return a * a + b * b < 1.0
 
 
-@njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, fastmath=True, nogil=True)  # type: ignore[untyped-decorator]
 def _face(x: float, y: float, z: float, placed: np.ndarray, i: int) -> tuple[float, float, float]:
     """Colour of a face at (x forward, y left, z up), each as a share of the skull's radius."""
     r, g, b = placed[i, FIRST], placed[i, FIRST + 1], placed[i, FIRST + 2]
@@ -60,7 +60,7 @@ def _face(x: float, y: float, z: float, placed: np.ndarray, i: int) -> tuple[flo
     return r, g, b
 
 
-@njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, fastmath=True, nogil=True)  # type: ignore[untyped-decorator]
 def shade(
     placed: np.ndarray, i: int, t: float, x: float, y: float, rotation: np.ndarray, position: np.ndarray,
     light: np.ndarray, leaves: np.ndarray,
@@ -126,7 +126,7 @@ def shade(
     return r * (strength + 0.03 * sun), g * strength, b * (strength + 0.05 * sky)
 
 
-@njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, fastmath=True, nogil=True)  # type: ignore[untyped-decorator]
 def _parted(i: int, j: int, zi: float, zj: float, placed: np.ndarray) -> bool:
     """Whether an edge is seen between neighbouring pixels of shapes ``i`` and ``j``."""
     if i == j:
@@ -136,7 +136,7 @@ def _parted(i: int, j: int, zi: float, zj: float, placed: np.ndarray) -> bool:
     return bool(placed[i, FIRST] != placed[j, FIRST])
 
 
-@njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, fastmath=True, nogil=True)  # type: ignore[untyped-decorator]
 def _smoothed(
     u: int, v: int, rgb: np.ndarray, seen: np.ndarray, camera: np.ndarray, placed: np.ndarray,
     rotation: np.ndarray, position: np.ndarray, light: np.ndarray, leaves: np.ndarray, tones: np.ndarray,
@@ -184,7 +184,7 @@ def _smoothed(
     return sr, sg, sb
 
 
-@njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, fastmath=True, nogil=True)  # type: ignore[untyped-decorator]
 def resolve(
     rgb: np.ndarray, depth: np.ndarray, nearest: np.ndarray, seen: np.ndarray, boxes: np.ndarray,
     camera: np.ndarray, placed: np.ndarray, rotation: np.ndarray, position: np.ndarray,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -114,7 +115,7 @@ class World:
         operator: Who stands in front of the drone.
         look: How the operator looks; drawn from the seed if ``None``. A known person's head and limbs fit
             if it is ``Look.from_seed(seed, person.height_m)``.
-        clock: Seconds, for ``spent`` only.
+        clock: Processor seconds of the calling thread, for ``spent`` only.
 
     Example:
         >>> import numpy as np
@@ -133,7 +134,7 @@ class World:
         seed: int,
         operator: Body,
         look: Look | None = None,
-        clock: Callable[[], float] = time.perf_counter,
+        clock: Callable[[], float] = time.thread_time,
     ) -> None:
         self.config = config
         self.spent = Spent()
@@ -148,7 +149,9 @@ class World:
         middle = (self._joints[_LEFT_HIP] + self._joints[_RIGHT_HIP])[:2] / 2
         clear = np.stack([middle, np.asarray(config.quadrotor.position_m[:2], float)])
         self._renderer = Renderer(config.intrinsics, Scene(config.scene, seed, clear=clear))
-        self._pending: deque[tuple[Frame, Truth]] = deque()
+        # A picture that is on its way for a frame is drawn meanwhile, on a core of its own if there is one.
+        self._drawing = ThreadPoolExecutor(1, "camera")
+        self._pending: deque[Future[tuple[Frame, Truth]]] = deque()
         self._fill()
 
     @property
@@ -188,18 +191,24 @@ class World:
         self._joints = self._move(dt_s)
         self.spent.physics_ms = 1e3 * (flown - began)
         self.spent.operator_ms = 1e3 * (self._clock() - flown)
-        self._pending.append(self._shoot())
-        frame, self._returned = self._pending.popleft()
+        self._pending.append(self._drawing.submit(self._shoot, self.truth_now))
+        frame, self._returned = self._pending.popleft().result()
         return frame
+
+    def close(self) -> None:
+        """Let go of the thread that draws."""
+        self._drawing.shutdown(cancel_futures=True)
 
     def _fill(self) -> None:
         """Let the first pictures be on their way, as if the world had stood still before."""
         period_ns = 1e9 / self.config.rate_hz
-        frame, truth = self._shoot()
+        frame, truth = self._shoot(self.truth_now)
         self._returned = truth
         for k in range(self.config.delay_frames, 0, -1):
             stamp = round(-(k - 1) * period_ns)
-            self._pending.append((Frame(frame.rgb, frame.depth_mm, frame.intrinsics, stamp), truth))
+            late: Future[tuple[Frame, Truth]] = Future()
+            late.set_result((Frame(frame.rgb, frame.depth_mm, frame.intrinsics, stamp), truth))
+            self._pending.append(late)
 
     def _move(self, dt_s: float) -> Float[np.ndarray, "20 3"]:
         at = self._quadrotor.state.position_m
@@ -211,8 +220,7 @@ class World:
             self._quadrotor.state.position_m, self._quadrotor.rotation, mount.offset_m, mount.pitch_down_rad
         )
 
-    def _shoot(self) -> tuple[Frame, Truth]:
-        truth = self.truth_now
+    def _shoot(self, truth: Truth) -> tuple[Frame, Truth]:
         began = self._clock()
         rgb, depth = self._renderer.render(truth.camera, [(truth.joints_m, self._look)])
         rendered = self._clock()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import deque
+from concurrent.futures import Future, ThreadPoolExecutor
 from fractions import Fraction
 from pathlib import Path
 from types import TracebackType
@@ -27,21 +29,39 @@ class Film:
         self.path, self.rate_hz, self.crf = path, rate_hz, crf
         self._container = av.open(str(path), "w", options={"movflags": "frag_keyframe+empty_moov"})
         self._stream: av.VideoStream | None = None
+        self._encoding = ThreadPoolExecutor(1, "film")
+        self._waiting: deque[Future[None]] = deque()
 
     def add(self, rgb: UInt8[np.ndarray, "height width 3"]) -> None:
-        """Append a picture; all must have the size of the first, which must be even."""
+        """Append a picture; all must have the size of the first, which must be even.
+
+        It is encoded on a thread of its own; a picture that comes while two wait makes the caller wait.
+        """
+        while len(self._waiting) > 2:
+            self._waiting.popleft().result()
+        self._waiting.append(self._encoding.submit(self._encode, rgb))
+
+    def _encode(self, rgb: UInt8[np.ndarray, "height width 3"]) -> None:
         if self._stream is None:
             self._stream = self._container.add_stream("libx264", rate=self.rate_hz)
             self._stream.height, self._stream.width = rgb.shape[:2]
             self._stream.pix_fmt = "yuv420p"
             self._stream.time_base = Fraction(1, self.rate_hz)
-            self._stream.options = {"crf": str(self.crf), "preset": "veryfast", "threads": "1"}
+            self._stream.options = {
+                "crf": str(self.crf),
+                "preset": "veryfast",
+                "threads": "1",
+                "rc-lookahead": "10",
+            }
         picture = av.VideoFrame.from_ndarray(np.ascontiguousarray(rgb), format="rgb24")
         for packet in self._stream.encode(picture):
             self._container.mux(packet)
 
     def close(self) -> None:
         """Write what is left and close the file."""
+        while self._waiting:
+            self._waiting.popleft().result()
+        self._encoding.shutdown()
         if self._stream is not None:
             for packet in self._stream.encode():
                 self._container.mux(packet)
