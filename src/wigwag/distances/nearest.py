@@ -7,10 +7,10 @@ from typing import Self
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from sklearn.utils.extmath import randomized_svd
 
 from wigwag.distances.dtw import dtw, dtw_by_product
 from wigwag.distances.packed import PackedSequences, check_sequences
+from wigwag.errors import InputError
 
 _SLACK = 1e-3
 """Relative room for float32 rounding whenever a bound decides that a reference need not be looked at."""
@@ -33,6 +33,10 @@ class NearestSequences:
     With the principal directions of the references' frames as P the bound is so tight (about 97 % with 64
     directions of the paper's 1821 features) that a handful of true distances settle the answer.
 
+    Only that handful is ever asked for in full. The references may therefore be any sequence of arrays,
+    also one that computes an array when it is asked for it: fitting goes through it a few times, one array
+    after the other, and what stays in memory are the projections.
+
     Args:
         n_projected: Directions kept. As many as there are features: the bound is the distance.
         random_state: Seed of the randomised decomposition that finds the directions. It changes how tight
@@ -43,28 +47,48 @@ class NearestSequences:
         self.n_projected = n_projected
         self.random_state = random_state
 
-    def fit(
-        self,
-        sequences: Sequence[Float[np.ndarray, "frames features"]],
-        basis: Float[np.ndarray, "features directions"] | None = None,
-    ) -> Self:
-        """Learn the projection from the references' frames, or take the one given, and pack them.
+    def fit(self, sequences: Sequence[Float[np.ndarray, "frames features"]]) -> Self:
+        """Learn the projection from the references' frames, and project them.
 
         Raises:
             InputError: If there is no sequence, or the features differ.
         """
-        check_sequences(sequences)
-        self.sequences_ = list(sequences)
-        frames = np.concatenate([s[:: max(1, sum(map(len, sequences)) // _BASIS_FRAMES)] for s in sequences])
-        self.mean_ = frames.mean(axis=0, dtype=np.float64).astype(frames.dtype)
-        self.basis_ = self._learn(frames - self.mean_) if basis is None else basis
-        self.packed_ = PackedSequences([self.project(s) for s in sequences])
+        frames = check_sequences(sequences)
+        every = max(1, frames // _BASIS_FRAMES)
+        some = np.concatenate([s[::every].copy() for s in sequences])
+        self.mean_ = some.mean(axis=0, dtype=np.float64).astype(some.dtype)
+        some -= self.mean_
+        self.basis_ = self._learn(some)
+        return self.restore(sequences, self.mean_, self.basis_, [self.project(s) for s in sequences])
+
+    def restore(
+        self,
+        sequences: Sequence[Float[np.ndarray, "frames features"]],
+        mean: Float[np.ndarray, " features"],
+        basis: Float[np.ndarray, "features directions"],
+        projected: Sequence[Float[np.ndarray, "frames directions+1"]],
+    ) -> Self:
+        """Take what ``fit`` learned from these references: ``mean_``, ``basis_`` and ``projected_``.
+
+        Raises:
+            InputError: If they do not belong together.
+        """
+        if len(projected) != len(sequences) or basis.shape[0] != len(mean):
+            raise InputError(
+                f"{len(projected)} projections from {basis.shape[0]} features do not belong to "
+                f"{len(sequences)} sequences with a mean of {len(mean)} features."
+            )
+        self.sequences_, self.mean_, self.basis_ = sequences, mean, basis
+        self.projected_ = list(projected)
+        self.packed_ = PackedSequences(self.projected_)
         return self
 
     def _learn(self, centered: Float[np.ndarray, "frames features"]) -> np.ndarray:
         directions = min(self.n_projected, *centered.shape)
         if directions == centered.shape[1]:
             return np.eye(directions, dtype=centered.dtype)
+        from sklearn.utils.extmath import randomized_svd  # with its 75 MB needed for learning alone
+
         _, _, rows = randomized_svd(centered, directions, n_iter=3, random_state=self.random_state)
         # Rounding leaves the rows a little off orthonormal; one more QR keeps the bound a bound.
         return np.asarray(np.linalg.qr(rows.T.astype(np.float64))[0], dtype=centered.dtype)

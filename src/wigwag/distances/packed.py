@@ -89,16 +89,23 @@ class PackedSequences:
         return result
 
 
-def check_sequences(sequences: Sequence[np.ndarray]) -> None:
-    """Raise InputError unless all are (frames, features) with the same features and a frame at least."""
+def check_sequences(sequences: Sequence[np.ndarray]) -> int:
+    """Count all frames.
+
+    Raises:
+        InputError: Unless all are (frames, features) with the same features and a frame at least.
+    """
     if len(sequences) == 0:
         raise InputError("DTW needs at least one sequence, but got an empty list.")
+    features, frames = np.shape(sequences[0])[-1], 0
     for i, sequence in enumerate(sequences):
-        if np.ndim(sequence) != 2 or len(sequence) == 0 or sequence.shape[1] != sequences[0].shape[-1]:
+        if np.ndim(sequence) != 2 or len(sequence) == 0 or sequence.shape[1] != features:
             raise InputError(
-                f"Sequence {i} must have shape (frames, {sequences[0].shape[-1]}) with 1 frame or more, "
+                f"Sequence {i} must have shape (frames, {features}) with 1 frame or more, "
                 f"but got {np.shape(sequence)}."
             )
+        frames += len(sequence)
+    return frames
 
 
 @njit(cache=True, fastmath=True)

@@ -8,9 +8,9 @@ from typing import Literal, Self
 
 import numpy as np
 from jaxtyping import Float
-from sklearn.base import BaseEstimator, TransformerMixin
 
 from wigwag.errors import InputError
+from wigwag.features.estimator import Transformer
 from wigwag.skeleton import LANDMARKS, N_LANDMARKS, Clip
 
 PAIRS: tuple[tuple[int, int], ...] = tuple(combinations(range(N_LANDMARKS), 2))
@@ -38,7 +38,7 @@ _PAIR = ("difference", *_SINGLE[1:6])
 _TRIPLE = ("theta", "angular_velocity", "angular_acceleration")
 
 
-class Embedding(TransformerMixin, BaseEstimator):  # type: ignore[misc]  # scikit-learn is not typed
+class Embedding(Transformer):
     """The paper's complete embedding: single joints, pairs of joints, triples of joints, frame by frame.
 
     It knows nothing of a training set; ``fit`` only settles which features there are. Differences over

@@ -7,12 +7,12 @@ from typing import Literal, Self
 
 import numpy as np
 from jaxtyping import Float
-from sklearn.base import BaseEstimator, TransformerMixin
 
 from wigwag.errors import InputError, NotFittedError
+from wigwag.features.estimator import Transformer
 
 
-class FrameScaler(TransformerMixin, BaseEstimator):  # type: ignore[misc]  # scikit-learn is not typed
+class FrameScaler(Transformer):
     """Scale each feature linearly by what its values are in the training clips' frames.
 
     Frames of other clips may fall outside of the range; they are not clipped, so that the distance
@@ -46,17 +46,21 @@ class FrameScaler(TransformerMixin, BaseEstimator):  # type: ignore[misc]  # sci
         self.weights = weights
 
     def fit(self, sequences: Sequence[Float[np.ndarray, "frames features"]], y: object = None) -> Self:
-        """Learn the range of each feature from all frames of the training sequences."""
+        """Learn the range of each feature from all frames of the training sequences.
+
+        They are gone through one at a time, so that a sequence that computes its elements may be given.
+        """
         if len(sequences) == 0:
             raise InputError("FrameScaler.fit needs at least one sequence, but got an empty list.")
         if self.method == "minmax":
-            low = np.min([s.min(axis=0) for s in sequences], axis=0).astype(np.float64)
-            high = np.max([s.max(axis=0) for s in sequences], axis=0).astype(np.float64)
+            ends = np.array([(s.min(axis=0), s.max(axis=0)) for s in sequences], dtype=np.float64)
+            low, high = ends[:, 0].min(axis=0), ends[:, 1].max(axis=0)
         elif self.method == "quantile":
-            # A few thousand frames settle a percentile; all of them would only cost time.
-            every = max(1, sum(map(len, sequences)) // 6000)
-            frames = np.concatenate(sequences)[::every]
-            low, high = np.percentile(frames, [1.0, 99.0], axis=0)
+            # A few thousand frames settle a percentile; all of them would only cost time and memory.
+            starts = np.cumsum([0, *map(len, sequences)])
+            every = max(1, int(starts[-1]) // 6000)
+            frames = [s[-start % every :: every] for start, s in zip(starts[:-1], sequences, strict=True)]
+            low, high = np.percentile(np.concatenate(frames), [1.0, 99.0], axis=0)
         elif self.method == "std":
             count = sum(map(len, sequences))
             mean = np.sum([s.sum(axis=0, dtype=np.float64) for s in sequences], axis=0) / count

@@ -7,7 +7,6 @@ from typing import Self
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from scipy.optimize import minimize
 from scipy.special import expit
 
 BACKGROUND = -1
@@ -217,6 +216,8 @@ def _fit_logistic(
     rows: Float[np.ndarray, "decisions 3"], right: Bool[np.ndarray, " decisions"]
 ) -> tuple[Float[np.ndarray, " 3"], float]:
     """Fit a logistic regression whose weights have the sign that sense demands, lightly held at 0."""
+    from scipy.optimize import minimize  # 20 MB that only teaching needs
+
     sign = np.where(right, 1.0, -1.0)
 
     def loss(x: np.ndarray) -> tuple[float, np.ndarray]:

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from jaxtyping import Float
-from sklearn.decomposition import PCA
-from sklearn.exceptions import ConvergenceWarning
-from sklearn.neural_network import MLPRegressor
 from threadpoolctl import threadpool_limits  # comes with scikit-learn
 
 from wigwag.distances import NearestSequences
 from wigwag.errors import InputError
 from wigwag.features import FrameScaler, Normalisation, Preparation
+from wigwag.recognise.embedded import EmbeddedClips
 from wigwag.recognise.neighbours import NearestRecognizer
 from wigwag.skeleton import Clip
+
+if TYPE_CHECKING:
+    from sklearn.decomposition import PCA
+    from sklearn.neural_network import MLPRegressor
 
 
 class EncodedRecognizer(NearestRecognizer):
@@ -97,14 +99,19 @@ class EncodedRecognizer(NearestRecognizer):
                     f"EncodedRecognizer.{field} must be 1 or more, but got {getattr(self, field)}."
                 )
         self._start()
-        sequences = self._embedding.transform([self._normalised(clip) for clip in clips])
+        sequences = EmbeddedClips([self._normalised(clip) for clip in clips], self._embedding)
         scaler = self._fit_scaler(sequences)
-        every = max(1, -(-sum(map(len, sequences)) // self.max_frames))
+        every = max(1, -(-sum(map(len, sequences.clips)) // self.max_frames))
         frames = scaler.scale(np.concatenate([s[i % every :: every] for i, s in enumerate(sequences)]))
         self._fold(scaler, *self._train(frames))
         return [self._encode(sequence) for sequence in sequences]
 
     def _train(self, frames: Float[np.ndarray, "frames features"]) -> tuple[PCA, MLPRegressor, float]:
+        # Teaching alone needs these, and what comes with them: 100 MB.
+        from sklearn.decomposition import PCA
+        from sklearn.exceptions import ConvergenceWarning
+        from sklearn.neural_network import MLPRegressor
+
         pca = PCA(
             min(self.components, *frames.shape), svd_solver="randomized", random_state=self.random_state
         )
@@ -149,7 +156,7 @@ class EncodedRecognizer(NearestRecognizer):
     def _sequence(self, clip: Clip) -> Float[np.ndarray, "frames latent"]:
         return self._encode(self._embedding.embed(self._normalised(clip)))
 
-    def _index(self, sequences: list[np.ndarray]) -> NearestSequences:
+    def _index(self, sequences: Sequence[np.ndarray]) -> NearestSequences:
         # So few dimensions need no bound: with all directions kept it is the distance itself.
         return NearestSequences(n_projected=self.latent).fit(sequences)
 

@@ -10,6 +10,7 @@ from jaxtyping import Float
 
 from wigwag.distances import NearestSequences
 from wigwag.features import FrameScaler, Normalisation, Preparation
+from wigwag.recognise.embedded import EmbeddedClips
 from wigwag.recognise.neighbours import NearestRecognizer
 from wigwag.skeleton import Clip
 
@@ -18,7 +19,8 @@ class HeavyRecognizer(NearestRecognizer):
     """k nearest neighbours over the complete embedding under unconstrained DTW (paper, section 4).
 
     The answer is that of comparing a clip with every reference in all 1821 (or 4251) dimensions; an
-    exact lower bound spares most of the work (:class:`~wigwag.distances.NearestSequences`).
+    exact lower bound spares most of the work (:class:`~wigwag.distances.NearestSequences`). It keeps the
+    references' joints, and embeds anew the few that the bound does not rule out.
 
     Args:
         k: How many of the nearest vote; ``None``: of 1, 3, 5, 7 the one that does best on training
@@ -80,27 +82,25 @@ class HeavyRecognizer(NearestRecognizer):
         self.false_reject = false_reject
         self.random_state = random_state
 
-    def _learn(self, clips: Sequence[Clip]) -> list[Float[np.ndarray, "frames features"]]:
+    def _learn(self, clips: Sequence[Clip]) -> EmbeddedClips:
         self._start()
         self._references = [self._normalised(clip) for clip in clips]
-        sequences = self._embedding.transform(self._references)
-        self._scaler = self._fit_scaler(sequences)
-        for i, sequence in enumerate(sequences):  # one by one: a second copy of all would not be small
-            sequences[i] = self._scaler.scale(sequence)
-        return sequences
+        self._scaler = self._fit_scaler(EmbeddedClips(self._references, self._embedding))
+        return EmbeddedClips(self._references, self._embedding, self._scaler)
 
     def _sequence(self, clip: Clip) -> Float[np.ndarray, "frames features"]:
         return self._scaler.scale(self._embedding.embed(self._normalised(clip)))
 
     def _arrays(self) -> dict[str, np.ndarray]:
-        # The references' joints are 50 times smaller than their embedding, which load computes again.
         return {
             "joints": np.concatenate([clip.joints for clip in self._references]),
             "stamps_ns": np.concatenate([clip.stamps_ns for clip in self._references]),
             "lengths": np.array([len(clip) for clip in self._references]),
             "center": self._scaler.center_,
             "half_range": self._scaler.half_range_,
+            "mean": self.index_.mean_,
             "basis": self.index_.basis_,
+            "projected": np.concatenate(self.index_.projected_),
         }
 
     def _restore(self, arrays: dict[str, np.ndarray]) -> NearestSequences:
@@ -112,5 +112,7 @@ class HeavyRecognizer(NearestRecognizer):
         ]
         self._scaler = FrameScaler(self.scaling)
         self._scaler.center_, self._scaler.half_range_ = arrays["center"], arrays["half_range"]
-        sequences = self._scaler.transform(self._embedding.transform(self._references))
-        return NearestSequences(random_state=self.random_state).fit(sequences, arrays["basis"])
+        sequences = EmbeddedClips(self._references, self._embedding, self._scaler)
+        projected = np.split(arrays["projected"], ends[:-1])
+        index = NearestSequences(random_state=self.random_state)
+        return index.restore(sequences, arrays["mean"], arrays["basis"], projected)

@@ -9,11 +9,10 @@ from typing import Any, Literal, Self
 
 import numpy as np
 from jaxtyping import Float
-from sklearn.base import BaseEstimator, ClassifierMixin
 
 from wigwag.distances import NearestSequences
 from wigwag.errors import InputError, NotFittedError
-from wigwag.features import Embedding, FrameScaler, Normalisation, Preparation
+from wigwag.features import Classifier, Embedding, FrameScaler, Normalisation, Preparation
 from wigwag.gesture import Gesture
 from wigwag.recognise import store
 from wigwag.recognise.confidence import (
@@ -30,7 +29,7 @@ K_CANDIDATES = (1, 3, 5, 7)
 """Values of k that cross-validation chooses from."""
 
 
-class NearestRecognizer(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  # scikit-learn is not typed
+class NearestRecognizer(Classifier):
     """Base of recognisers that compare a clip's sequence of vectors with those of all training clips.
 
     A subclass says what the sequences are: ``_learn`` and ``_sequence``.
@@ -68,7 +67,7 @@ class NearestRecognizer(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  
     # -- what a subclass brings -------------------------------------------------------------------------
 
     @abstractmethod
-    def _learn(self, clips: Sequence[Clip]) -> list[Float[np.ndarray, "frames features"]]:
+    def _learn(self, clips: Sequence[Clip]) -> Sequence[Float[np.ndarray, "frames features"]]:
         """Fit what turns a clip into a sequence, and return the training clips' sequences."""
 
     @abstractmethod
@@ -83,7 +82,7 @@ class NearestRecognizer(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  
     def _restore(self, arrays: dict[str, np.ndarray]) -> NearestSequences:
         """Take back what ``_arrays`` gave, and return the index of references."""
 
-    def _index(self, sequences: list[np.ndarray]) -> NearestSequences:
+    def _index(self, sequences: Sequence[np.ndarray]) -> NearestSequences:
         return NearestSequences(random_state=self.random_state).fit(sequences)
 
     def _start(self) -> None:
@@ -91,7 +90,7 @@ class NearestRecognizer(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  
         self._normalisation = self.normalisation or Normalisation()
         self._embedding = Embedding(self.triples).fit()
 
-    def _fit_scaler(self, sequences: list[np.ndarray]) -> FrameScaler:
+    def _fit_scaler(self, sequences: Sequence[np.ndarray]) -> FrameScaler:
         if not self.motion_weight > 0:
             raise InputError(f"motion_weight must be positive, but got {self.motion_weight}.")
         linear = [name.split(".")[1] in ("velocity", "displacement") for name in self._embedding.names_]
@@ -149,7 +148,7 @@ class NearestRecognizer(ClassifierMixin, BaseEstimator):  # type: ignore[misc]  
         hundredth.
         """
         packed = self.index_.packed_
-        distances = np.stack([packed.distances(self.index_.project(s)) for s in self.index_.sequences_])
+        distances = np.stack([packed.distances(projected) for projected in self.index_.projected_])
         distances = np.asarray(np.minimum(distances, distances.T), dtype=np.float64)
         allowed = held_out(distances, subjects)
         self.k_scores_: dict[int, float] = {}
