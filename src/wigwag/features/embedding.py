@@ -8,6 +8,7 @@ from typing import Literal, Self
 
 import numpy as np
 from jaxtyping import Float
+from numba import njit
 
 from wigwag.errors import InputError
 from wigwag.features.estimator import Transformer
@@ -15,6 +16,8 @@ from wigwag.skeleton import LANDMARKS, N_LANDMARKS, Clip
 
 PAIRS: tuple[tuple[int, int], ...] = tuple(combinations(range(N_LANDMARKS), 2))
 """All 78 pairs of landmarks."""
+
+_FIRSTS, _SECONDS = np.array(PAIRS).T
 
 ALL_TRIPLES: tuple[tuple[int, int, int], ...] = tuple(combinations(range(N_LANDMARKS), 3))
 """All 286 triples of landmarks."""
@@ -107,12 +110,16 @@ class Embedding(Transformer):
 
     def embed(self, clip: Clip) -> Float[np.ndarray, "frames features"]:
         """Embed one clip: one row a frame, one column a name of ``names_``."""
-        joints = np.asarray(clip.joints, dtype=np.float64)
-        dt = np.diff(clip.stamps_ns)[:, None, None] * 1e-9
-        parts = [*_single_joint(joints, dt, self.displacement), *_joint_pair(joints, dt)]
-        parts += _three_joints(joints, dt, self._triples())
-        flat = [part.reshape(len(joints), -1) for part in parts]
-        return np.concatenate(flat, axis=1, dtype=np.dtype(self.dtype))
+        joints = np.ascontiguousarray(clip.joints, dtype=np.float64)
+        dt = np.diff(clip.stamps_ns) * 1e-9
+        pairs = joints[:, _SECONDS] - joints[:, _FIRSTS]  # eq. difference vector
+        out = np.empty((len(joints), self.n_features_), dtype=self.dtype)
+        at = _write_vectors(joints, dt, out, 0)
+        moved = out[:, at : at + joints[0].size]
+        at += _write_displacement(joints, self.displacement, moved)
+        at = _write_vectors(pairs, dt, out, at)
+        _write_with_rates(_triple_angles(joints, self._triples()), dt, out, at)
+        return out
 
     def _triples(self) -> tuple[tuple[int, int, int], ...]:
         return ALL_TRIPLES if self.triples == "all" else ADJACENT_TRIPLES
@@ -128,60 +135,75 @@ def _names(triples: Sequence[tuple[int, int, int]]) -> tuple[str, ...]:
     )
 
 
-def _rate(
-    values: Float[np.ndarray, "frames any 3"], dt: Float[np.ndarray, "steps 1 1"]
-) -> Float[np.ndarray, "frames any 3"]:
-    """Difference to the frame before over the time step; the first frame repeats the second's."""
-    rate = np.empty_like(values)
-    np.divide(np.diff(values, axis=0), dt, out=rate[1:])
-    rate[0] = rate[1]
-    return rate
+def _write_vectors(
+    vectors: Float[np.ndarray, "frames any 3"],
+    dt: Float[np.ndarray, " steps"],
+    out: Float[np.ndarray, "frames features"],
+    at: int,
+) -> int:
+    """Write vectors, axis angles, and two rates of each from column ``at`` on; return where they end."""
+    at = _write_with_rates(vectors, dt, out, at)
+    return _write_with_rates(_axis_angles(vectors), dt, out, at)
+
+
+def _write_with_rates(
+    values: Float[np.ndarray, "frames any 3"],
+    dt: Float[np.ndarray, " steps"],
+    out: Float[np.ndarray, "frames features"],
+    at: int,
+) -> int:
+    width = values.shape[1] * 3
+    _rates(values.reshape(len(values), width), dt, out[:, at : at + 3 * width])
+    return at + 3 * width
+
+
+@njit(cache=True)
+def _rates(values, dt, out):  # type: ignore[no-untyped-def]  # compiled: numba infers the types
+    """Write values, their rates and those' rates side by side, in one pass over the frames.
+
+    A rate is the difference to the frame before over the time step; the first frame repeats the second's.
+    """
+    frames, width = values.shape
+    velocity = np.empty(width)
+    for i in range(width):
+        velocity[i] = (values[1, i] - values[0, i]) / dt[0]
+        out[0, i], out[0, width + i], out[0, 2 * width + i] = values[0, i], velocity[i], 0.0
+    for t in range(1, frames):
+        step = dt[t - 1]
+        for i in range(width):
+            now = (values[t, i] - values[t - 1, i]) / step  # eq. velocity: (p - p_prev) / dt
+            out[t, i] = values[t, i]
+            out[t, width + i] = now  # also eq. angular velocity, of angles
+            out[t, 2 * width + i] = (now - velocity[i]) / step  # eq. acceleration: (v - v_prev) / dt
+            velocity[i] = now
+
+
+def _write_displacement(
+    joints: Float[np.ndarray, "frames 13 3"], since: str, out: Float[np.ndarray, "frames 39"]
+) -> int:
+    """Write how far each joint has moved; return how many columns that took."""
+    flat = joints.reshape(len(joints), -1)
+    if since == "first":
+        out[:] = flat - flat[0]  # eq. displacement
+    else:
+        np.subtract(flat[1:], flat[:-1], out=out[1:], casting="same_kind")  # eq. displacement
+        out[0] = out[1]
+    return flat.shape[1]
 
 
 def _axis_angles(vectors: Float[np.ndarray, "frames any 3"]) -> Float[np.ndarray, "frames any 3"]:
-    """Angles of each vector to the x, y and z axes, radians."""
-    length = np.sqrt(np.einsum("fnc,fnc->fn", vectors, vectors))[:, :, None]
-    cosine = np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 1e-12)
-    return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))  # eq. axis angle: arccos(v.a / |v||a|)
+    """Angles of each vector to the x, y and z axes, radians; a right angle for a vector without length."""
+    length = np.sqrt(np.einsum("fnc,fnc->fn", vectors, vectors))
+    length[length <= 1e-12] = np.inf
+    cosine = vectors / length[:, :, None]
+    np.clip(cosine, -1.0, 1.0, out=cosine)
+    return np.asarray(np.arccos(cosine, out=cosine))  # eq. axis angle: arccos(v.a / |v||a|)
 
 
-def _motion(
-    vectors: Float[np.ndarray, "frames any 3"], dt: Float[np.ndarray, "steps 1 1"]
-) -> list[Float[np.ndarray, "frames any 3"]]:
-    """Vectors, their velocity and acceleration, their axis angles, and those angles' two rates."""
-    velocity = _rate(vectors, dt)  # eq. velocity: (p - p_prev) / dt
-    acceleration = _rate(velocity, dt)  # eq. acceleration: (v - v_prev) / dt
-    angles = _axis_angles(vectors)
-    angular_velocity = _rate(angles, dt)  # eq. angular velocity
-    angular_acceleration = _rate(angular_velocity, dt)  # eq. angular acceleration
-    return [vectors, velocity, acceleration, angles, angular_velocity, angular_acceleration]
-
-
-def _single_joint(
-    joints: Float[np.ndarray, "frames 13 3"], dt: Float[np.ndarray, "steps 1 1"], displacement: str
-) -> list[Float[np.ndarray, "frames 13 3"]]:
-    """Compute the single-joint part: 7 kinds x 13 joints x 3."""
-    moved = joints - joints[0]
-    if displacement == "previous":
-        moved[1:] = np.diff(joints, axis=0)
-        moved[0] = moved[1]
-    return [*_motion(joints, dt), moved]  # eq. displacement
-
-
-def _joint_pair(
-    joints: Float[np.ndarray, "frames 13 3"], dt: Float[np.ndarray, "steps 1 1"]
-) -> list[Float[np.ndarray, "frames 78 3"]]:
-    """Compute the joint-pair part: 6 kinds x 78 pairs x 3."""
-    first, second = np.array(PAIRS).T
-    return _motion(joints[:, second] - joints[:, first], dt)  # eq. difference vector
-
-
-def _three_joints(
-    joints: Float[np.ndarray, "frames 13 3"],
-    dt: Float[np.ndarray, "steps 1 1"],
-    triples: Sequence[tuple[int, int, int]],
-) -> list[Float[np.ndarray, "frames triples 3"]]:
-    """Compute the three-joint part: Theta = N theta and its two rates, each triples x 3."""
+def _triple_angles(
+    joints: Float[np.ndarray, "frames 13 3"], triples: Sequence[tuple[int, int, int]]
+) -> Float[np.ndarray, "frames triples 3"]:
+    """Compute Theta = N theta of each triple."""
     a, b, c = np.array(triples).T
     ab, bc = joints[:, b] - joints[:, a], joints[:, c] - joints[:, b]
     normal = np.stack(
@@ -195,7 +217,5 @@ def _three_joints(
     length = np.sqrt(np.einsum("fnc,fnc->fn", normal, normal))
     # atan2 keeps its digits where arccos(AB.BC / |AB||BC|) loses them, near a stretched limb.
     theta = np.arctan2(length, np.einsum("fnc,fnc->fn", ab, bc))  # eq. tri-joint angle
-    scale = np.divide(theta, length, out=np.zeros_like(theta), where=length > 1e-12)
-    feature = normal * scale[:, :, None]  # eq. Theta = N theta
-    velocity = _rate(feature, dt)
-    return [feature, velocity, _rate(velocity, dt)]
+    length[length <= 1e-12] = np.inf
+    return np.asarray(normal * (theta / length)[:, :, None])  # eq. Theta = N theta
