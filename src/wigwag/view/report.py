@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -74,15 +75,24 @@ def write_report(
     ]
     environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
     template = environment.from_string(files("wigwag.view").joinpath("report.html").read_text("utf-8"))
-    page = template.render(
+    pieces = template.generate(
         s=summary,
         rows=rows,
         false=false,
         stills=[{"caption": s.caption, "data": base64.b64encode(s.jpeg).decode()} for s in stills],
-        film=None if film is None else base64.b64encode(film.read_bytes()).decode(),
+        film=None if film is None else _base64_of(film),
         timeline=plots.timeline(log),
         path=plots.path(log),
         errors=plots.errors(log),
         timing=plots.timing(log),
     )
-    out.write_text(page, encoding="utf-8")
+    # Piece by piece: a film of 20 MB is never in memory, and no copy of the page with it.
+    with out.open("w", encoding="utf-8") as file:
+        file.writelines(pieces)
+
+
+def _base64_of(path: Path) -> Iterator[str]:
+    """Encode a file a piece at a time; all but the last are multiples of three bytes: no padding between."""
+    with path.open("rb") as file:
+        while part := file.read(3 * 2**16):
+            yield base64.b64encode(part).decode("ascii")
