@@ -24,6 +24,11 @@ if TYPE_CHECKING:
     from wigwag.view.report import Still
 
 
+START_M = 5.6
+"""How far off the operator stands when the drone is on the ground: from nearer, a level camera down there
+does not see raised hands."""
+
+
 @dataclass(frozen=True)
 class Demo:
     """Fly a simulated drone by the gestures of a simulated operator; every pose comes from rendered pixels.
@@ -105,11 +110,11 @@ class Demo:
 
         person = Person.random(self.seed)
         script = plan_session(person, self.seed)
-        # On the ground a level camera sees raised hands only from afar.
-        operator = Operator(person, script, position_m=(6.0, 0.0), seed=self.seed)
+        operator = Operator(person, script, position_m=(START_M, 0.0), seed=self.seed)
         config = WorldConfig(quadrotor=QuadrotorConfig(position_m=(0.0, 0.0, 0.0)))
         world = World(config, self.seed, operator, Look.from_seed(self.seed, person.height_m))
-        return Session(world, Pilot(estimator, Untaught(), world.vehicle), script)
+        pilot = Pilot(estimator, Untaught(), world.vehicle)
+        return Session(world, pilot, script)
 
 
 class Untaught:

@@ -15,9 +15,9 @@ from wigwag.fly.values import Setpoint, VehicleState
 class Goal:
     """What the follow law keeps, besides the operator in the middle of the picture."""
 
-    distance_m: float = 4.0
+    distance_m: float = 4.5
     """Horizontal distance from drone to the operator's hips."""
-    altitude_m: float = 1.4
+    altitude_m: float = 1.2
     """Height above the point of take-off."""
     tangential_m_s: float = 0.0
     """Speed around the operator; positive moves the drone to its own left."""

@@ -18,7 +18,7 @@ class MovementConfig:
     sideways_m: float = 1.0
     """Length of the arc flown on left and right."""
     sideways_m_s: float = 0.5
-    altitude_step_m: float = 0.4
+    altitude_step_m: float = 0.3
     climb_m_s: float = 0.4
     distance_step_m: float = 0.6
     distance_m_s: float = 0.4
@@ -30,7 +30,7 @@ class MovementConfig:
     min_distance_m: float = 2.8
     max_distance_m: float = 5.5
     min_altitude_m: float = 0.8
-    max_altitude_m: float = 2.4
+    max_altitude_m: float = 2.0
 
 
 class Movement:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal, Protocol
 
 import numpy as np
@@ -13,6 +13,7 @@ from wigwag.errors import InputError
 from wigwag.pose.blazepose import BlazePose, BlazePoseConfig
 from wigwag.pose.body import Body
 from wigwag.pose.lift import LiftConfig, Lifter
+from wigwag.pose.sides import SideKeeper, SidesConfig
 from wigwag.skeleton import Pose, from_blazepose33
 
 
@@ -24,9 +25,15 @@ class PoseConfig:
     """How bodies are found in the colour picture."""
     lift: LiftConfig = field(default_factory=LiftConfig)
     """How landmarks get their depth."""
+    sides: SidesConfig = field(default_factory=SidesConfig)
+    """When a change of left and right is not believed."""
     head: Literal["ears", "nose"] = "ears"
     """What the first landmark is: the middle of the ears, where a Kinect puts its head joint, so that
     people recorded with a Kinect and people seen by a camera agree; or the nose, as in the paper."""
+    trusted: tuple[float, float] = (0.3, 0.8)
+    """From the lower visibility to the upper one, trust in what is measured grows from least to full."""
+    least_trust: float = 0.08
+    """How far a landmark that is not seen moves towards each new guess."""
     max_speed_m_s: float = 5.0
     """The middle of the hips moves no faster than this, seen from the camera (which turns as well)."""
     slack_m: float = 0.4
@@ -64,6 +71,7 @@ class PoseEstimator:
         self.config = config = config or PoseConfig()
         self._tracker = tracker or BlazePose(config.blazepose)
         self._lifter = Lifter(config.lift)
+        self._sides = SideKeeper(config.sides)
         self.body: Body | None = None
         """What was seen in the latest frame's colour picture, for drawing; ``None``: nobody."""
         self.reset()
@@ -71,9 +79,11 @@ class PoseEstimator:
     def reset(self) -> None:
         """Forget whom it follows and when the last frame was."""
         self._tracker.reset()
+        self._sides.reset()
         self.body = None
         self._hips_m: Float[np.ndarray, " 3"] | None = None
         self._hips_ns = 0
+        self._relative_m: Float[np.ndarray, "13 3"] | None = None
         self._stamp_ns: int | None = None
         self._jumped = 0
 
@@ -94,9 +104,11 @@ class PoseEstimator:
                 f"{self._stamp_ns}. Call reset() before another stream."
             )
         self._stamp_ns = frame.stamp_ns
-        self.body = body = self._tracker.track(frame.rgb)
+        body = self._tracker.track(frame.rgb)
         if body is None or not np.isfinite(body.points_px).all():
+            self.body = None
             return None
+        self.body = body = self._sides(body, frame.stamp_ns)
         head = self.config.head
         points = from_blazepose33(body.points_px, head)
         visibility = from_blazepose33(body.visibility[:, None], head)[:, 0]
@@ -104,7 +116,23 @@ class PoseEstimator:
         if lifted is None:
             return None
         pose = Pose(lifted.points_m, lifted.visibility, frame.stamp_ns)
-        return pose if self._same_person(pose.hip_center, frame.stamp_ns) else None
+        if not self._same_person(pose.hip_center, frame.stamp_ns):
+            self._relative_m = None
+            return None
+        return self._steadied(pose)
+
+    def _steadied(self, pose: Pose) -> Pose:
+        """Let landmarks that are hardly seen follow slowly, relative to the hips; others stay as measured.
+
+        Feet below the picture's edge are guessed anew in every frame, and jump by a decimetre.
+        """
+        low, high = self.config.trusted
+        relative = pose.joints - pose.hip_center
+        if self._relative_m is not None:
+            trust = np.clip((pose.visibility - low) / (high - low), self.config.least_trust, 1.0)
+            relative = self._relative_m + trust[:, None] * (relative - self._relative_m)
+        self._relative_m = relative
+        return replace(pose, joints=relative + pose.hip_center)
 
     def _same_person(self, hips_m: Float[np.ndarray, " 3"], stamp_ns: int) -> bool:
         """Say whether somebody here now can be who was there before, and remember where they are.
@@ -120,6 +148,7 @@ class PoseEstimator:
                 self._jumped += 1
                 if self._jumped >= config.patience_frames:
                     self._tracker.reset()
+                    self._sides.reset()
                     self._jumped = 0
                 return False
         self._hips_m, self._hips_ns, self._jumped = hips_m, stamp_ns, 0
