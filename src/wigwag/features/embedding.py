@@ -143,7 +143,7 @@ def _write_vectors(
 ) -> int:
     """Write vectors, axis angles, and two rates of each from column ``at`` on; return where they end."""
     at = _write_with_rates(vectors, dt, out, at)
-    return _write_with_rates(_axis_angles(vectors), dt, out, at)
+    return int(_write_with_rates(_axis_angles(vectors), dt, out, at))
 
 
 def _write_with_rates(

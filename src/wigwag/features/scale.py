@@ -59,7 +59,8 @@ class FrameScaler(Transformer):
             # A few thousand frames settle a percentile; all of them would only cost time and memory.
             starts = np.cumsum([0, *map(len, sequences)])
             every = max(1, int(starts[-1]) // 6000)
-            frames = [s[-start % every :: every] for start, s in zip(starts[:-1], sequences, strict=True)]
+            some = (s[-start % every :: every] for start, s in zip(starts[:-1], sequences, strict=True))
+            frames = [part.copy() for part in some]  # a view would keep its whole sequence
             low, high = np.percentile(np.concatenate(frames), [1.0, 99.0], axis=0)
         elif self.method == "std":
             count = sum(map(len, sequences))

@@ -102,7 +102,7 @@ class EncodedRecognizer(NearestRecognizer):
         sequences = EmbeddedClips([self._normalised(clip) for clip in clips], self._embedding)
         scaler = self._fit_scaler(sequences)
         every = max(1, -(-sum(map(len, sequences.clips)) // self.max_frames))
-        frames = scaler.scale(np.concatenate([s[i % every :: every] for i, s in enumerate(sequences)]))
+        frames = scaler.scale(np.concatenate([s[i % every :: every].copy() for i, s in enumerate(sequences)]))
         self._fold(scaler, *self._train(frames))
         return [self._encode(sequence) for sequence in sequences]
 

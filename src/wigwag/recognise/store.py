@@ -115,8 +115,9 @@ def read(path: str | PathLike[str], kind: str) -> tuple[dict[str, Any], dict[str
     with explained(path):
         facts = json.loads(members.pop("facts.json"))
         arrays = {
-            name.removesuffix(".npy"): np.load(io.BytesIO(content), allow_pickle=False)
-            for name, content in members.items()
+            # Taken out one by one, so that no more than one array is in memory twice.
+            name.removesuffix(".npy"): np.load(io.BytesIO(members.pop(name)), allow_pickle=False)
+            for name in list(members)
         }
     return facts, arrays
 
