@@ -1,52 +1,15 @@
 """Spotting, with a body whose arms move as told and a recogniser that only looks at the clip's length."""
 
-import numpy as np
+from itertools import pairwise
+
 import pytest
 
 from wigwag.gesture import Gesture
-from wigwag.skeleton import Clip, Landmark, Pose
-from wigwag.stream.segment import Segmenter
-from wigwag.stream.spot import Spotter, arms_hang
+from wigwag.skeleton import Clip, Pose
+from wigwag.stream.segment import Segment, Segmenter, arms_down
+from wigwag.stream.spot import Spotter, background
 
-REST = np.zeros((13, 3))
-REST[:, 2] = 4.0
-for landmark, (x, y) in {
-    Landmark.NOSE: (0, -0.75), Landmark.LEFT_SHOULDER: (0.2, -0.5), Landmark.RIGHT_SHOULDER: (-0.2, -0.5),
-    Landmark.LEFT_ELBOW: (0.25, -0.2), Landmark.RIGHT_ELBOW: (-0.25, -0.2),
-    Landmark.LEFT_WRIST: (0.25, 0.05), Landmark.RIGHT_WRIST: (-0.25, 0.05),
-    Landmark.LEFT_HIP: (0.12, 0), Landmark.RIGHT_HIP: (-0.12, 0),
-    Landmark.LEFT_KNEE: (0.12, 0.45), Landmark.RIGHT_KNEE: (-0.12, 0.45),
-    Landmark.LEFT_HEEL: (0.12, 0.9), Landmark.RIGHT_HEEL: (-0.12, 0.9),
-}.items():  # fmt: skip
-    REST[landmark, :2] = x, y
-
-
-class Body:
-    """Raises and lowers both arms, at any frame rate, with measurement noise."""
-
-    def __init__(self, rate_hz: float = 30.0, noise_m: float = 0.004, seed: int = 0) -> None:
-        self.rate_hz, self.noise_m, self.now_s = rate_hz, noise_m, 0.0
-        self.random = np.random.default_rng(seed)
-        self.raised = 0.0
-
-    def pose(self) -> Pose:
-        joints = REST + self.random.normal(0, self.noise_m, REST.shape)
-        for elbow, wrist in (
-            (Landmark.LEFT_ELBOW, Landmark.LEFT_WRIST),
-            (Landmark.RIGHT_ELBOW, Landmark.RIGHT_WRIST),
-        ):
-            joints[elbow, 1] -= 0.6 * self.raised
-            joints[wrist, 1] -= 1.15 * self.raised
-        return Pose(joints, np.ones(13), int(self.now_s * 1e9))
-
-    def go(self, raised: float, seconds: float) -> list[Pose]:
-        start, steps = self.raised, max(round(seconds * self.rate_hz), 1)
-        poses = []
-        for step in range(1, steps + 1):
-            self.now_s += 1 / self.rate_hz
-            self.raised = start + (raised - start) * step / steps
-            poses.append(self.pose())
-        return poses
+from .body import Body
 
 
 class ByLength:
@@ -121,7 +84,62 @@ def test_memory_is_bounded() -> None:
     assert len(segmenter._poses) <= 8 * 30 + 2
 
 
-def test_arms_hang() -> None:
+def test_arms_down() -> None:
     body = Body(noise_m=0)
-    assert arms_hang(body.pose())
-    assert not arms_hang(body.go(1, 1)[-1])
+    assert arms_down(body.pose())
+    assert not arms_down(body.go(1, 1)[-1])
+
+
+def test_the_surest_of_what_overlaps_speaks() -> None:
+    """Both halves are named short (0.6) and the whole long (0.9): one event, the long one."""
+    body, recogniser = Body(), ByLength()
+    poses = body.go(0, 1.0) + body.go(1, 0.5) + body.go(0.1, 0.8) + body.go(0.1, 0.1)
+    poses += body.go(0.25, 0.25) + body.go(0, 0.25) + body.go(0, 2)
+    (gesture,) = events(poses, Spotter(recogniser))
+    assert gesture.label == "long"
+    assert any(clip.duration_s < 1.9 for clip in recogniser.clips), "the halves were looked at, too"
+
+
+def test_a_gesture_is_spoken_without_rest_when_the_body_moves_on() -> None:
+    """Whoever walks off at once after a gesture is understood all the same, within the patience."""
+    body, spotter = Body(), Spotter(ByLength())
+    poses = body.go(0, 1.0) + body.go(1, 0.7) + body.go(0, 0.7)
+    for _ in range(8):
+        poses += body.go(0.25, 0.2) + body.go(0.0, 0.2)
+    spoken = events(poses, spotter)
+    assert not spotter.segmenter.resting
+    assert spoken[0].onset_ns * 1e-9 == pytest.approx(1.0, abs=0.2)
+    for gesture in spoken:
+        assert (gesture.decided_ns - gesture.end_ns) * 1e-9 <= spotter.config.patience_s + 0.1
+
+
+def test_what_was_spoken_is_not_spoken_again() -> None:
+    body = Body()
+    poses = body.go(0, 1.0)
+    for _ in range(3):
+        poses += body.go(1, 0.6) + body.go(0, 0.6) + body.go(0, 0.8)
+    spoken = events(poses, Spotter(ByLength()))
+    assert [g.label for g in spoken] == ["short"] * 3
+    for before, after in pairwise(spoken):
+        assert after.onset_ns >= before.end_ns - 0.3e9
+
+
+def test_reset_forgets_a_gesture_half_shown() -> None:
+    body, spotter = Body(), Spotter(ByLength())
+    assert events(body.go(0, 1) + body.go(1, 0.6), spotter) == []
+    spotter.reset()
+    assert [g.label for g in events(body.go(0, 0.6) + body.go(0, 2), spotter)] in ([], [None])
+
+
+def test_background_is_what_would_be_proposed_and_is_no_gesture() -> None:
+    body = Body()
+    poses = body.go(0, 1.0) + body.go(1, 0.6) + body.go(0, 0.6) + body.go(0, 1.0)
+    poses += body.go(0.7, 0.5) + body.go(0, 0.5) + body.go(0, 1.0)
+    stream = Clip.from_poses(poses, label="wave", subject="s9")
+    gesture = Segment(int(1.0e9), int(2.2e9))
+    everything = [clip.stamps_ns.tolist() for clip in background(stream, [])]
+    refused = background(stream, [gesture])
+    assert [c.stamps_ns.tolist() for c in refused] == everything[1:], "the first is the gesture, and only it"
+    assert gesture.iou(Segment(everything[0][0], everything[0][-1])) > 0.5
+    assert {(clip.label, clip.subject) for clip in refused} == {(None, "s9")}
+    assert len(background(stream, [gesture], max_iou=1.0)) == len(everything)

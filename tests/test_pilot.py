@@ -1,0 +1,321 @@
+"""The loop, with stand-ins for camera, network, recogniser and drone: what is commanded, and what never."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from wigwag.camera import Frame, Intrinsics
+from wigwag.errors import InputError
+from wigwag.fly.supervisor import Mode
+from wigwag.fly.values import HOVER, Command, Setpoint, VehicleState
+from wigwag.gesture import Gesture
+from wigwag.pilot import Pilot, Step
+from wigwag.skeleton import Clip, Pose
+from wigwag.vehicles import FlightMode
+
+S = 10**9
+PERIOD_NS = S // 30
+PICTURE = np.zeros((4, 4, 3), np.uint8)
+DEPTH = np.full((4, 4), 4000, np.uint16)
+
+
+class Drone:
+    """Does at once what it is asked, and notes it. Its clock is turned by hand."""
+
+    def __init__(self, mode: FlightMode = FlightMode.HOLDING) -> None:
+        self.mode = mode
+        self.state = VehicleState(np.array([0.0, 0.0, 1.2]), np.zeros(3), 0.0, 0)
+        self.asked: list[str] = []
+        self.sent: list[Setpoint] = []
+
+    def connect(self) -> None: ...
+
+    def arm(self) -> bool:
+        self.asked.append("arm")
+        self.mode = FlightMode.READY
+        return True
+
+    def take_off(self, height_m: float = 1.5) -> bool:
+        self.asked.append(f"take off to {height_m} m")
+        self.mode = FlightMode.TAKING_OFF
+        return True
+
+    def land(self) -> bool:
+        self.asked.append("land")
+        self.mode = FlightMode.LANDING
+        return True
+
+    def hold(self) -> bool:
+        self.asked.append("hold")
+        self.mode = FlightMode.HOLDING
+        return True
+
+    def send(self, setpoint: Setpoint, stamp_ns: int) -> bool:
+        self.sent.append(setpoint)
+        self.mode = FlightMode.STEERED
+        return True
+
+
+class Sight:
+    """Sees the operator where they are put, and complains of frames as the pose estimator does."""
+
+    def __init__(self) -> None:
+        self.at_m: tuple[float, float, float] | None = (0.0, 0.2, 4.5)
+        self.last_ns = -1
+
+    def __call__(self, frame: Frame) -> Pose | None:
+        if frame.depth_mm is None:
+            raise InputError("Frame.depth_mm is None")
+        if frame.stamp_ns <= self.last_ns:
+            raise InputError("Frame.stamp_ns must grow")
+        self.last_ns = frame.stamp_ns
+        if self.at_m is None:
+            return None
+        return Pose(np.tile(self.at_m, (13, 1)), np.ones(13), frame.stamp_ns)
+
+
+class Silent:
+    """Is never asked: gestures come from ``Prompter``."""
+
+    def recognise(self, clip: Clip) -> Gesture:
+        raise AssertionError("nothing moved")
+
+
+class Prompter:
+    """Stands where the spotter goes and says what it is told, whatever it sees."""
+
+    def __init__(self) -> None:
+        self.label: str | None = None
+
+    def update(self, pose: Pose | None) -> Gesture | None:
+        label, self.label = self.label, None
+        return None if label is None else Gesture(label, 0.9)
+
+
+class Flight:
+    """A pilot with all its stand-ins, and a clock."""
+
+    def __init__(self, mode: FlightMode = FlightMode.HOLDING) -> None:
+        self.drone, self.sight, self.prompter = Drone(mode), Sight(), Prompter()
+        self.pilot = Pilot(self.sight, Silent(), self.drone, clock=lambda: 0.0)
+        self.pilot.spotter = self.prompter  # type: ignore[assignment]
+        self.now_ns = 0
+
+    def turn(self, label: str | None = None, frame: Callable[[int], Frame | None] | None = None) -> Step:
+        self.now_ns += PERIOD_NS
+        state = self.drone.state
+        self.drone.state = VehicleState(state.position_m, state.velocity_m_s, state.heading_rad, self.now_ns)
+        self.prompter.label = label
+        return self.pilot.step((frame or good)(self.now_ns), self.now_ns)
+
+    def turns(self, seconds: float, frame: Callable[[int], Frame | None] | None = None) -> list[Step]:
+        return [self.turn(frame=frame) for _ in range(round(seconds * 30))]
+
+
+def good(now_ns: int) -> Frame:
+    return Frame(PICTURE, DEPTH, Intrinsics(), now_ns)
+
+
+def flat(now_ns: int) -> Frame:
+    return Frame(PICTURE, None, Intrinsics(), now_ns)
+
+
+def old(now_ns: int) -> Frame:
+    return Frame(PICTURE, DEPTH, Intrinsics(), 1)
+
+
+def none(now_ns: int) -> None:
+    return None
+
+
+def test_an_operator_at_the_goal_is_followed_with_hardly_any_movement() -> None:
+    flight = Flight()
+    flight.sight.at_m = (0.0, 0.2, 4.4)  # 0.1 m behind the camera's place on the drone
+    steps = flight.turns(1.0)
+    assert steps[-1].verdict.mode is Mode.FOLLOWING
+    assert np.abs(flight.drone.sent[-1].velocity_m_s).max() < 1e-6
+    flight.sight.at_m = (-0.4, 0.2, 5.4)
+    flight.turns(0.5)
+    forward = flight.drone.sent[-1].velocity_m_s[0]
+    assert forward > 0.3 and flight.drone.sent[-1].yaw_rate_rad_s > 0.05, (
+        "farther and to the left: after them"
+    )
+
+
+@pytest.mark.parametrize(("frame", "says"), [(flat, "depth_mm is None"), (old, "stamp_ns must grow")])
+def test_frames_that_cannot_be_used_neither_raise_nor_command(
+    frame: Callable[[int], Frame], says: str
+) -> None:
+    flight = Flight()
+    flight.turns(0.5)
+    for step in flight.turns(0.4, frame):
+        assert (step.pose, step.movement, step.command) == (None, None, None)
+        assert step.verdict.mode is Mode.FOLLOWING
+    assert says in flight.pilot.trouble
+    assert flight.turns(0.3)[-1].pose is not None, "the next good frame is taken"
+    assert flight.drone.asked == []
+
+
+@pytest.mark.parametrize("frame", [none, flat, old])
+def test_without_frames_the_operator_is_lost_and_the_drone_stands(
+    frame: Callable[[int], Frame | None],
+) -> None:
+    flight = Flight()
+    flight.sight.at_m = (0.0, 0.2, 5.5)
+    flight.turns(0.5)
+    assert flight.drone.sent[-1].velocity_m_s[0] > 0.3
+    steps = flight.turns(1.0, frame)
+    lost = [k for k, step in enumerate(steps) if step.verdict.mode is Mode.LOST_PERSON]
+    assert lost == list(range(lost[0], len(steps))), "once lost it stays lost without frames"
+    assert (lost[0] + 1) / 30 == pytest.approx(flight.pilot.config.supervisor.max_pose_age_s, abs=2 / 30)
+    assert steps[-1].verdict.setpoint == HOVER
+    assert set(flight.drone.sent[-10:]) == {HOVER}
+    assert flight.turns(0.2)[-1].verdict.mode is Mode.FOLLOWING, "seen again: followed again"
+
+
+def test_a_movement_does_not_go_on_after_the_operator_was_lost() -> None:
+    flight = Flight()
+    flight.turns(0.5)
+    flight.turn("orbit")
+    flight.turns(0.5)
+    assert flight.pilot.movement.command is Command.ORBIT
+    flight.turns(1.0, none)
+    assert flight.pilot.movement.command is None
+    assert flight.turns(0.5)[-1].goal.tangential_m_s == 0.0
+
+
+def test_stop_in_flight_holds_until_the_next_command() -> None:
+    flight = Flight()
+    flight.turns(0.5)
+    flight.turn("left")
+    step = flight.turn("stop")
+    assert step.verdict.mode is Mode.HOLDING
+    assert flight.drone.asked == ["hold"]
+    flight.sight.at_m = (0.0, 0.2, 5.5)
+    flight.turns(3.0)
+    assert all(s.velocity_m_s == (0.0, 0.0, 0.0) for s in flight.drone.sent[-60:])
+    assert flight.turn("closer").verdict.mode is Mode.FOLLOWING
+
+
+def test_commands_come_once_a_second_at_most_but_stop_and_land_always() -> None:
+    flight = Flight()
+    flight.turns(0.5)
+    assert flight.turn("left").command is Command.LEFT
+    said = [flight.turn("up").command for _ in range(29)]
+    assert said == [None] * 29
+    assert [flight.turn("up").command for _ in range(2)].count(Command.UP) == 1
+    assert flight.turn("stop").command is Command.STOP
+    assert flight.turn("land").command is Command.LAND
+    assert flight.drone.asked == ["hold", "land"]
+
+
+def test_labels_that_command_nothing_command_nothing() -> None:
+    flight = Flight()
+    flight.turns(0.5)
+    for label in ("clap", "a1", ""):
+        step = flight.turn(label)
+        assert step.gesture is not None and step.command is None
+    assert flight.turn("left").command is Command.LEFT, "and do not use up the second either"
+
+
+def test_taking_off_needs_the_ground_and_an_operator_in_view() -> None:
+    flight = Flight(FlightMode.DISARMED)
+    assert flight.turn("take_off", none).verdict.mode is Mode.GROUNDED, "nobody has been seen"
+    flight.turns(2.0)
+    flight.turns(1.0, none)
+    assert flight.turn("take_off", none).verdict.mode is Mode.GROUNDED, "nobody is in view any more"
+    assert flight.drone.asked == [] and flight.drone.sent == []
+    flight.turns(1.0)
+    assert flight.turn("take_off").verdict.mode is Mode.TAKING_OFF
+    assert flight.drone.asked == ["arm", "take off to 1.2 m"]
+    assert flight.turns(0.5)[-1].verdict.mode is Mode.TAKING_OFF
+    assert flight.drone.sent == [], "a drone that takes off is not steered"
+    flight.drone.mode = FlightMode.HOLDING
+    assert flight.turns(0.1)[-1].verdict.mode is Mode.FOLLOWING
+
+
+def test_taking_off_in_the_air_and_other_commands_on_the_ground_do_nothing() -> None:
+    flying = Flight()
+    flying.turns(0.5)
+    assert flying.turn("take_off").verdict.mode is Mode.FOLLOWING
+    assert flying.drone.asked == []
+    grounded = Flight(FlightMode.DISARMED)
+    for label in ("left", "up", "orbit", "stop", "land"):
+        grounded.turns(1.1)
+        assert grounded.turn(label).verdict.mode is Mode.GROUNDED
+    assert grounded.drone.asked == [] and grounded.drone.sent == []
+
+
+def test_after_taking_off_the_drone_goes_to_its_goal_smoothly() -> None:
+    flight = Flight(FlightMode.DISARMED)
+    flight.sight.at_m = (0.0, 0.2, 5.9)
+    flight.turns(0.5)
+    flight.turn("take_off")
+    flight.drone.mode = FlightMode.HOLDING
+    flight.turn()
+    goals = [step.goal.distance_m for step in flight.turns(6.0)]
+    assert goals[0] == pytest.approx(6.0, abs=0.1)
+    assert max(np.abs(np.diff(goals))) < 0.02
+    assert goals[-1] == pytest.approx(4.5)
+
+
+def test_the_drones_state_at_the_frames_stamp_places_the_operator() -> None:
+    """The drone turns at 1 rad/s; frames are three turns late. The operator stands still in the world."""
+    flight = Flight()
+    operator = np.array([4.5, 0.5, 1.0])
+    headings: dict[int, float] = {}
+    for k in range(1, 31):
+        now_ns, heading = k * PERIOD_NS, k / 30
+        headings[now_ns] = heading
+        flight.drone.state = VehicleState(np.array([0, 0, 1.2]), np.zeros(3), heading, now_ns)
+        stamp_ns = max(k - 3, 1) * PERIOD_NS
+        cos, sin = np.cos(headings[stamp_ns]), np.sin(headings[stamp_ns])
+        forward, left = cos * operator[0] + sin * operator[1], -sin * operator[0] + cos * operator[1]
+        flight.sight.at_m = (-left, 0.2, forward - 0.1)
+        flight.pilot.step(good(stamp_ns), now_ns)
+    track = flight.pilot.track
+    assert track.position_m(now_ns)[:2] == pytest.approx(operator[:2], abs=0.01)
+    assert np.linalg.norm(track.velocity_m_s) < 0.05
+
+
+def test_the_spotter_sees_the_operator_level_however_the_drone_is_tilted() -> None:
+    still, tilted = Flight(), Flight()
+    joints = np.random.default_rng(0).normal(0, 0.4, (13, 3)) + np.array([0.0, 0.2, 4.5])
+    pitch = 0.3
+    cos, sin = np.cos(pitch), np.sin(pitch)
+    # A nose that is down sees what is ahead higher up: the same joints, in a camera that turned with it.
+    ahead = joints[:, 2] + 0.1
+    seen = np.stack(
+        [joints[:, 0], cos * joints[:, 1] - sin * ahead, sin * joints[:, 1] + cos * ahead - 0.1], 1
+    )
+    shown = []
+    for flight, points, angle in ((still, joints, 0.0), (tilted, seen, pitch)):
+        flight.drone.state = VehicleState(np.array([0, 0, 1.2]), np.zeros(3), 0.0, S, 0.0, angle)
+        flight.pilot.pose = lambda frame, points=points: Pose(points, np.ones(13), frame.stamp_ns)
+        shown.append(flight.pilot.step(good(S), S).movement)
+    assert shown[0] is not None and shown[1] is not None
+    np.testing.assert_allclose(shown[1].joints, shown[0].joints, atol=1e-9)
+
+
+def test_a_vehicle_whose_state_is_stale_is_held() -> None:
+    flight = Flight()
+    flight.turns(0.5)
+    stale = flight.drone.state
+    for _ in range(20):
+        flight.now_ns += PERIOD_NS
+        flight.drone.state = stale
+        step = flight.pilot.step(good(flight.now_ns), flight.now_ns)
+    assert step.verdict.setpoint == HOVER
+    assert "stale" in step.verdict.reason
+    assert flight.drone.asked[-1] == "hold"
+
+
+def test_processor_time_is_measured_with_the_clock_given_and_decides_nothing() -> None:
+    ticks = iter(range(1000))
+    flight = Flight()
+    flight.pilot.clock = lambda: next(ticks) * 0.5
+    step = flight.turn()
+    assert (step.pose_s, step.rest_s) == (0.5, 0.5)
