@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
@@ -40,7 +40,7 @@ class Recognizer(TypingProtocol):
         """Learn from labelled clips."""
         ...
 
-    def predict(self, clips: Sequence[Clip]) -> Sequence[str]:
+    def predict(self, clips: Sequence[Clip]) -> Iterable[str]:
         """Return a label a clip."""
         ...
 
@@ -269,7 +269,7 @@ def _run(
     for done, i in enumerate(split.test, start=1):
         bare = Clip(clips[i].joints, clips[i].stamps_ns, name="case")  # no label, no person to peek at
         start = time.perf_counter()
-        answer = estimator.predict([bare])
+        answer = list(estimator.predict([bare]))
         case_s.append(time.perf_counter() - start)
         predicted.append(str(answer[0]))
         step(done + 1)

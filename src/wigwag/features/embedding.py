@@ -143,7 +143,7 @@ def _write_vectors(
 ) -> int:
     """Write vectors, axis angles, and two rates of each from column ``at`` on; return where they end."""
     at = _write_with_rates(vectors, dt, out, at)
-    return int(_write_with_rates(_axis_angles(vectors), dt, out, at))
+    return _write_with_rates(_axis_angles(vectors), dt, out, at)
 
 
 def _write_with_rates(
@@ -152,7 +152,7 @@ def _write_with_rates(
     out: Float[np.ndarray, "frames features"],
     at: int,
 ) -> int:
-    width = values.shape[1] * 3
+    width = 3 * int(values.shape[1])
     _rates(values.reshape(len(values), width), dt, out[:, at : at + 3 * width])
     return at + 3 * width
 
