@@ -79,16 +79,18 @@ class Demo:
         return self._fly_procedural(console)
 
     def _fly_procedural(self, console: Console) -> dict[str, Any]:
-        from wigwag.evaluate.lessons import teach_procedural
+        from wigwag.evaluate.lessons import teach_procedural, warm_up
 
         with tempfile.TemporaryDirectory() as folder:
             model = Path(folder) / "demo.wigwag"
-            # Teaching takes a core of its own, while this one finds the networks and builds the world; and
-            # what it needs of memory goes with it.
-            with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+            # Teaching and, on the first run, compiling take a process each: what they need of memory goes
+            # with them.
+            with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
                 taught = pool.submit(teach_procedural, model, self.recognizer)
+                warm = pool.submit(warm_up)
                 with console.status("Teaching ten gestures by eight simulated training people ..."):
                     estimator = pose_estimator()
+                    warm.result()
                     session = self._procedural_session(estimator)
                     clips = taught.result()
             recogniser = load_recogniser(self.recognizer, model)
@@ -136,7 +138,8 @@ def load_recogniser(name: str, model: Path) -> HeavyRecognizer | EncodedRecogniz
     """Read a taught recogniser."""
     from wigwag.evaluate.lessons import RECOGNISERS
 
-    return RECOGNISERS[name].load(model)
+    kind: type[HeavyRecognizer] | type[EncodedRecognizer] = RECOGNISERS[name]
+    return kind.load(model)
 
 
 def fly(session: Session, estimator: PoseEstimator, console: Console, film: Path | None) -> list[Still]:

@@ -31,6 +31,7 @@ def fly_recorded(demo: Demo, console: Console) -> dict[str, Any]:
     """Show every recording of the six classes one by one, then fly a stream of commands."""
     from wigwag.cli.demo import account_of, fly, load_recogniser, pose_estimator, write
     from wigwag.evaluate.flight import FlightLog, summarise
+    from wigwag.evaluate.lessons import warm_up
     from wigwag.evaluate.recorded import SHOWN, load_person, teach_recorded
     from wigwag.sim.script import ScriptConfig, plan_replays
 
@@ -38,11 +39,13 @@ def fly_recorded(demo: Demo, console: Console) -> dict[str, Any]:
         raise InputError("--motion utd-mhad needs --data: UTD-MHAD's folder (Skeleton.zip or Skeleton/).")
     with tempfile.TemporaryDirectory() as folder:
         model = Path(folder) / "demo.wigwag"
-        with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+        with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
             taught = pool.submit(teach_recorded, demo.data, model, demo.recognizer)
+            warm = pool.submit(warm_up)
             with console.status("Teaching six classes by the skeletons of subjects 1, 3, 5 and 7 ..."):
                 estimator = pose_estimator()
                 people = [load_person(demo.data, subject) for subject in SHOWN]
+                warm.result()
                 clips = taught.result()
         recogniser = load_recogniser(demo.recognizer, model)
 

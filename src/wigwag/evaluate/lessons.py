@@ -15,7 +15,10 @@ from wigwag.skeleton import Clip
 from wigwag.stream.segment import Segment
 from wigwag.stream.spot import SpotConfig, background
 
-RECOGNISERS = {"heavy": HeavyRecognizer, "encoded": EncodedRecognizer}
+RECOGNISERS: dict[str, type[HeavyRecognizer] | type[EncodedRecognizer]] = {
+    "heavy": HeavyRecognizer,
+    "encoded": EncodedRecognizer,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +49,20 @@ def lessons(sessions: Sequence[Session], config: LessonConfig, spot: SpotConfig 
         some = rng.permutation(len(refused))[: config.refused_per_person]
         clips += [replace(refused[int(i)], label=None) for i in some]
     return clips
+
+
+def warm_up() -> None:
+    """Compile the world's kernels into the cache, so that whoever needs them next only loads them."""
+    from wigwag.sim.motion import Operator
+    from wigwag.sim.person import Person
+    from wigwag.sim.script import plan_session
+    from wigwag.sim.world import World, WorldConfig
+
+    person = Person.random(0)
+    world = World(WorldConfig(), 0, Operator(person, plan_session(person, 0)))
+    for _ in range(3):
+        world.step()
+    world.close()
 
 
 def teach_procedural(model: Path, recognizer: str = "heavy", config: LessonConfig | None = None) -> int:

@@ -34,12 +34,15 @@ def other_side(point: Point) -> Point:
 class SidesConfig:
     """When a change of sides is not believed."""
 
-    closer: float = 0.6
-    """A body whose sides have changed lies closer to the last one, by this factor, if they are changed back."""
-    apart: float = 0.35
-    """And it has moved by more than this share of the distance between the sides."""
-    memory_s: float = 0.5
-    """A last body older than this says nothing."""
+    memory_s: float = 0.25
+    """Time constant of the remembered direction from right to left."""
+    facing: float = 0.6
+    """A person faces the camera, or away, while that direction is longer than this share of its longest.
+    Who turns round passes through profile, where it is short: then any change is believed."""
+    against: float = 0.25
+    """It has changed when it points back by more than this share of what is remembered."""
+    forget_s: float = 0.5
+    """After a gap this long, whatever the network says is believed."""
     insist_s: float = 1.5
     """If the network insists for this long, it is right and we were not."""
 
@@ -47,8 +50,7 @@ class SidesConfig:
 class SideKeeper:
     """Undoes changes of left and right that no person can make from one frame to the next.
 
-    Trunk with arms and face, and legs, are judged apart: either may be crossed by itself. A person who
-    really turns round passes through profile, where left and right change places little by little.
+    Trunk with arms and face, and legs, are judged apart: either may be crossed by itself.
 
     Args:
         config: Thresholds.
@@ -60,8 +62,9 @@ class SideKeeper:
 
     def reset(self) -> None:
         """Forget the last body."""
-        self._last: Float[np.ndarray, "33 2"] | None = None
-        self._last_ns = 0
+        self._last_ns: int | None = None
+        self._axes = np.zeros((2, 2))
+        self._longest = [0.0, 0.0]
         self._insisted_s = [0.0, 0.0]
 
     def __call__(self, body: Body, stamp_ns: int) -> Body:
@@ -71,31 +74,43 @@ class SideKeeper:
             body: What the network sees now.
             stamp_ns: Monotonic nanoseconds.
         """
-        step_s = (stamp_ns - self._last_ns) * 1e-9
-        if self._last is None or step_s > self.config.memory_s:
+        gap_s = np.inf if self._last_ns is None else (stamp_ns - self._last_ns) * 1e-9
+        self._last_ns = stamp_ns
+        if gap_s > self.config.forget_s:
             self._insisted_s = [0.0, 0.0]
-        else:
-            for part, members in enumerate((_UPPER, _LOWER)):
-                if self._changed(body, part):
-                    self._insisted_s[part] += step_s
-                    if self._insisted_s[part] <= self.config.insist_s:
-                        body = _crossed(body, members)
-                    else:
-                        self._insisted_s[part] = 0.0
-                else:
-                    self._insisted_s[part] = max(0.0, self._insisted_s[part] - step_s)
-        self._last, self._last_ns = body.points_px, stamp_ns
+            for part in range(2):
+                self._remember(part, _axis(body, part), share=1.0, decay=0.0)
+            return body
+        for part, members in enumerate((_UPPER, _LOWER)):
+            if not self._changed(part, _axis(body, part)):
+                self._insisted_s[part] = max(0.0, self._insisted_s[part] - gap_s)
+            elif self._insisted_s[part] < self.config.insist_s:
+                self._insisted_s[part] += gap_s
+                body = _crossed(body, members)
+            else:
+                self._insisted_s[part] = 0.0
+                self._axes[part] = _axis(body, part)
+            share = 1.0 - np.exp(-gap_s / self.config.memory_s)
+            self._remember(part, _axis(body, part), share, decay=float(np.exp(-gap_s / 5.0)))
         return body
 
-    def _changed(self, body: Body, part: int) -> bool:
-        assert self._last is not None
-        left = list(_TELLING[part])
-        right = [other_side(point) for point in left]
-        now, last = body.points_px, self._last
-        kept = np.linalg.norm(now[left + right] - last[left + right], axis=1).mean()
-        crossed = np.linalg.norm(now[right + left] - last[left + right], axis=1).mean()
-        between = np.linalg.norm(last[left] - last[right], axis=1).mean()
-        return bool(crossed < self.config.closer * kept and kept > self.config.apart * between)
+    def _remember(self, part: int, axis: Float[np.ndarray, " 2"], share: float, decay: float) -> None:
+        self._axes[part] += share * (axis - self._axes[part])
+        self._longest[part] = max(decay * self._longest[part], float(np.hypot(*axis)))
+
+    def _changed(self, part: int, axis: Float[np.ndarray, " 2"]) -> bool:
+        remembered = self._axes[part]
+        length = float(np.hypot(*remembered))
+        if length < self.config.facing * self._longest[part]:
+            return False
+        return float(axis @ remembered) < -self.config.against * length**2
+
+
+def _axis(body: Body, part: int) -> Float[np.ndarray, " 2"]:
+    """Return the mean direction from right to left of what tells the sides, pixels."""
+    left = list(_TELLING[part])
+    right = [other_side(point) for point in left]
+    return np.asarray((body.points_px[left] - body.points_px[right]).mean(axis=0))
 
 
 def _crossed(body: Body, members: tuple[Point, ...]) -> Body:
