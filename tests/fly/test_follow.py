@@ -4,12 +4,15 @@ import numpy as np
 import pytest
 
 from wigwag.fly.follow import FollowLaw, Goal, wrap
-from wigwag.fly.movements import Movement
+from wigwag.fly.movements import Movement, MovementConfig
 from wigwag.fly.operator import Mount, OperatorTrack, rotation
 from wigwag.fly.values import Command, Setpoint, VehicleState
 from wigwag.skeleton import Pose
 
 DT = 1 / 30
+GOAL, CONFIG = Goal(), MovementConfig()
+STAND = np.array([GOAL.distance_m, 0.0, 0.95])
+"""An operator whom the drone, at the origin, already sees from the goal's distance."""
 
 
 def pose_seen(operator: np.ndarray, state: VehicleState, mount: Mount) -> Pose:
@@ -25,7 +28,7 @@ class Drone:
 
     def __init__(self) -> None:
         self.position, self.velocity, self.heading, self.yaw_rate = (
-            np.array([0, 0, 1.4]),
+            np.array([0, 0, GOAL.altitude_m]),
             np.zeros(3),
             0.0,
             0.0,
@@ -63,7 +66,7 @@ def fly(seconds: float, operator_at, movement: Movement | None = None):  # type:
 
 def test_keeps_a_walking_operator_centred_and_at_distance() -> None:
     def walk(t: float) -> np.ndarray:
-        return np.array([4.0 + 1.5 * np.sin(0.5 * t), 1.5 * (1 - np.cos(0.5 * t)), 0.95])  # 0.75 m/s
+        return STAND + np.array([1.5 * np.sin(0.5 * t), 1.5 * (1 - np.cos(0.5 * t)), 0.0])  # 0.75 m/s
 
     _, errors = fly(30, walk)
     assert errors[60:, 0].mean() < 1.0
@@ -75,34 +78,36 @@ def test_keeps_a_walking_operator_centred_and_at_distance() -> None:
 def test_sideways_is_the_operators_own_side_and_ends(command: Command, side: int) -> None:
     movement = Movement()
     movement.start(command)
-    drone, errors = fly(8, lambda t: np.array([4.0, 0.0, 0.95]), movement)
-    angle = np.arctan2(drone.position[1], 4.0 - drone.position[0])
+    drone, errors = fly(8, lambda t: STAND, movement)
+    angle = np.arctan2(drone.position[1], STAND[0] - drone.position[0])
     # The operator looks along -x; their left is -y, which is where the drone goes on LEFT.
-    assert side * angle * 4.0 == pytest.approx(1.0, abs=0.15)
+    assert side * angle * GOAL.distance_m == pytest.approx(CONFIG.sideways_m, abs=0.15)
     assert movement.command is None
     assert errors[-1, 1] < 0.1
 
 
 @pytest.mark.parametrize(
-    ("command", "distance", "altitude"),
+    ("command", "farther_m", "higher_m"),
     [
-        (Command.UP, 4.0, 1.8), (Command.DOWN, 4.0, 1.0),
-        (Command.CLOSER, 3.4, 1.4), (Command.FARTHER, 4.6, 1.4),
+        (Command.UP, 0.0, 0.3), (Command.DOWN, 0.0, -0.3),
+        (Command.CLOSER, -0.6, 0.0), (Command.FARTHER, 0.6, 0.0),
     ],
 )  # fmt: skip
-def test_movements_end_where_they_should(command: Command, distance: float, altitude: float) -> None:
+def test_movements_end_where_they_should(command: Command, farther_m: float, higher_m: float) -> None:
     movement = Movement()
     movement.start(command)
-    drone, _ = fly(8, lambda t: np.array([4.0, 0.0, 0.95]), movement)
-    assert np.linalg.norm(drone.position[:2] - [4.0, 0.0]) == pytest.approx(distance, abs=0.05)
-    assert drone.position[2] == pytest.approx(altitude, abs=0.03)
+    drone, _ = fly(8, lambda t: STAND, movement)
+    distance = np.linalg.norm((drone.position - STAND)[:2])
+    assert distance == pytest.approx(GOAL.distance_m + farther_m, abs=0.05)
+    assert drone.position[2] == pytest.approx(GOAL.altitude_m + higher_m, abs=0.03)
     assert movement.command is None
 
 
 def test_orbit_goes_all_the_way_round() -> None:
     movement = Movement()
     movement.start(Command.ORBIT)
-    drone, errors = fly(48, lambda t: np.array([4.0, 0.0, 0.95]), movement)
+    seconds = CONFIG.orbit_rad * GOAL.distance_m / CONFIG.orbit_m_s
+    drone, errors = fly(seconds + 1.0, lambda t: STAND, movement)
     assert movement.command is None
     assert np.linalg.norm(drone.position[:2]) < 0.8
     assert errors[60:, 0].max() < 5
@@ -111,11 +116,17 @@ def test_orbit_goes_all_the_way_round() -> None:
 
 def test_goals_stay_within_bounds_however_often_asked() -> None:
     movement = Movement()
-    for command in [Command.CLOSER] * 9 + [Command.DOWN] * 9:
-        movement.start(command)
-        for _ in range(200):
-            goal = movement.update(DT, np.zeros(3), np.array([4.0, 0, 0]))
-    assert (goal.distance_m, goal.altitude_m) == (2.8, 0.8)
+    bounds = {
+        Command.CLOSER: CONFIG.min_distance_m, Command.DOWN: CONFIG.min_altitude_m,
+        Command.FARTHER: CONFIG.max_distance_m, Command.UP: CONFIG.max_altitude_m,
+    }  # fmt: skip
+    for command, bound in bounds.items():
+        for _ in range(9):
+            movement.start(command)
+            for _ in range(200):
+                goal = movement.update(DT, np.zeros(3), STAND)
+        reached = goal.altitude_m if command in (Command.UP, Command.DOWN) else goal.distance_m
+        assert reached == bound
 
 
 def test_a_late_frame_meets_the_state_of_its_time() -> None:

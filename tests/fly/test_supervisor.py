@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from wigwag.fly.supervisor import Action, Mode, Situation, Supervisor, SupervisorConfig
@@ -113,9 +113,20 @@ def test_too_close_always_retreats(distance: float, bearing: float, forward: flo
 
 
 @given(st.tuples(*[st.floats(allow_nan=True, allow_infinity=True)] * 4))
+@example((1.3e308, 1.3e308, 0.0, 0.0))  # finite, but its speed is not
 def test_no_setpoint_beyond_the_limits(values: tuple[float, float, float, float]) -> None:
     supervisor, config = Supervisor(), SupervisorConfig()
     limited = supervisor.limited(Setpoint(values[:3], values[3]))
+    assert np.isfinite([*limited.velocity_m_s, limited.yaw_rate_rad_s]).all()
     assert np.hypot(*limited.velocity_m_s[:2]) <= config.max_speed_m_s * (1 + 1e-9)
     assert abs(limited.velocity_m_s[2]) <= config.max_climb_m_s
     assert abs(limited.yaw_rate_rad_s) <= config.max_yaw_rate_rad_s
+
+
+def test_a_vehicle_that_hovers_already_is_taken_over() -> None:
+    supervisor = Supervisor(mode=Mode.FOLLOWING)
+    assert supervisor.step(seen(1)).setpoint == WALK
+    blind = Supervisor(mode=Mode.FOLLOWING).step(seen(1, pose_ns=None, distance_m=None))
+    assert (blind.mode, blind.setpoint) == (Mode.LOST_PERSON, HOVER)
+    ashore = Supervisor(mode=Mode.FOLLOWING).step(seen(1, flying=False, landed=True))
+    assert (ashore.mode, ashore.setpoint) == (Mode.GROUNDED, HOVER)

@@ -10,9 +10,10 @@ import pytest
 from wigwag.camera.frame import Frame, Intrinsics
 from wigwag.errors import InputError
 from wigwag.pose.blazepose import BlazePose
-from wigwag.pose.body import Body
+from wigwag.pose.body import Body, Point
 from wigwag.pose.estimator import PoseConfig, PoseEstimator
 from wigwag.pose.lift import LiftConfig
+from wigwag.pose.sides import other_side
 from wigwag.skeleton import Landmark, Pose
 
 CAMERA = Intrinsics()
@@ -146,3 +147,71 @@ def test_the_real_network_on_a_real_photo(blazepose: BlazePose, photos: dict[str
     span = np.linalg.norm(pose.joints[Landmark.LEFT_WRIST] - pose.joints[Landmark.RIGHT_WRIST])
     shoulders = np.linalg.norm(pose.joints[Landmark.LEFT_SHOULDER] - pose.joints[Landmark.RIGHT_SHOULDER])
     assert span > 3 * shoulders, "both arms stretched to the sides"
+
+
+def test_landmarks_well_seen_stay_as_measured() -> None:
+    """Whatever the body does, full visibility means no filter and no delay."""
+    moving = [body_at(0.0, 4.0) for _ in range(12)]
+    random = np.random.default_rng(0)
+    moving = [replace(b, points_px=b.points_px + random.normal(0, 4, (33, 2))) for b in moving]
+    estimate = estimator(*moving)
+    for k, body in enumerate(moving):
+        pose = estimate(frame_at(4.0, k))
+        assert pose is not None
+        wrist = CAMERA.deproject(body.points_px[15], np.array(4.0))
+        np.testing.assert_allclose(pose.joints[Landmark.LEFT_WRIST], wrist, atol=2e-3)
+
+
+def test_feet_that_are_not_seen_hardly_move_and_still_go_where_the_body_goes() -> None:
+    """The network guesses heels below the picture's edge anew in every frame, a decimetre apart."""
+    unseen, random, bodies = [29, 30], np.random.default_rng(1), []
+    for k in range(60):
+        body = body_at(0.015 * k - 0.4, 4.0)
+        points, visibility = body.points_px.copy(), body.visibility.copy()
+        points[unseen] += random.normal(0, 15, (2, 2))
+        visibility[unseen] = 0.05
+        bodies.append(replace(body, points_px=points, visibility=visibility))
+    estimate, raw = estimator(*bodies), estimator(*bodies, trusted=(-2.0, -1.0))
+    steadied, measured = [], []
+    for k in range(60):
+        for seen, into in ((estimate, steadied), (raw, measured)):
+            pose = seen(frame_at(4.0, k))
+            assert pose is not None
+            into.append(pose.joints[Landmark.LEFT_HEEL] - pose.hip_center)
+    jumps = [np.median(np.linalg.norm(np.diff(heels, axis=0), axis=1)) for heels in (steadied, measured)]
+    assert jumps[1] > 0.05
+    assert jumps[0] < 0.2 * jumps[1]
+    truth = standing(0.0, 4.0)[29] - standing(0.0, 4.0)[[23, 24]].mean(axis=0)
+    np.testing.assert_allclose(np.mean(steadied[20:], axis=0)[:2], truth[:2], atol=0.06)
+
+
+def test_steadying_begins_anew_after_a_reset_and_after_another_person() -> None:
+    low = replace(body_at(0.0, 4.0), visibility=np.full(33, 0.1))
+    raised = low.points_px.copy()
+    raised[15, 1] -= 100
+    other = replace(low, points_px=raised)
+    estimate = estimator(low, other)
+    first, second = estimate(frame_at(4.0, 0)), estimate(frame_at(4.0, 1))
+    assert first is not None and second is not None
+    wrist = Landmark.LEFT_WRIST
+    moved = np.linalg.norm(second.joints[wrist] - first.joints[wrist])
+    assert 0 < moved < 0.1
+    estimate = estimator(low, other)
+    estimate(frame_at(4.0, 0))
+    estimate.reset()
+    fresh = estimate(frame_at(4.0, 1))
+    assert fresh is not None
+    assert np.linalg.norm(fresh.joints[wrist] - first.joints[wrist]) > 0.5
+
+
+def test_sides_crossed_for_a_moment_are_put_right_before_the_pose() -> None:
+    """The network took the front for the back."""
+    front = body_at(0.0, 4.0)
+    swapped = np.array([point if point is Point.NOSE else other_side(point) for point in Point])
+    back = replace(front, points_px=front.points_px[swapped])
+    estimate = estimator(*[front] * 5, *[back] * 3, *[front] * 2)
+    for k in range(10):
+        pose = estimate(frame_at(4.0, k))
+        assert pose is not None
+        assert pose.joints[Landmark.LEFT_WRIST, 0] > 0.2
+        assert pose.joints[Landmark.RIGHT_HEEL, 0] < -0.05

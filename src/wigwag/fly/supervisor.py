@@ -6,6 +6,7 @@ and answers what may be done (``Verdict``). It keeps no clock of its own.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -122,7 +123,7 @@ class Supervisor:
         values = np.array([*setpoint.velocity_m_s, setpoint.yaw_rate_rad_s])
         if not np.isfinite(values).all():
             return HOVER
-        speed = float(np.hypot(values[0], values[1]))
+        speed = math.hypot(values[0], values[1])  # infinite, not an overflow, for what is absurdly fast
         if speed > self.config.max_speed_m_s:
             values[:2] *= self.config.max_speed_m_s / speed
         climb = float(np.clip(values[2], -self.config.max_climb_m_s, self.config.max_climb_m_s))
