@@ -51,3 +51,26 @@ def test_summary_counts_and_ignores_errors_while_not_following() -> None:
     assert summary["gestures"]["missed"] == 2
     assert summary["follow"]["bearing_error_deg"] == {"mean": 2.0, "max": 2.0}
     assert summary["loop"]["hz"] == 50.0
+
+
+def test_a_flight_appended_comes_later_and_is_judged_as_it_was() -> None:
+    def flight() -> FlightLog:
+        row = Row(11.0, True, True, 3.0, 0.1, (0, 0, 1), (4, 0, 1), 10.0, 20.0, "following")
+        return FlightLog([row], [event("left", 12.4), event("up", 5.0)], list(SHOWN))
+
+    alone, both = summarise(flight()), flight()
+    both.append(flight(), offset_s=30.0)
+    summary = summarise(both)
+    assert [row.time_s for row in both.rows] == [11.0, 41.0]
+    assert [shown.start_s for shown in both.shown] == [10, 15, 20, 23, 40, 45, 50, 53]
+    assert (both.events[2].onset_ns, both.events[2].decided_ns) == (30_000_000_000, 42_400_000_000)
+    for key in ("shown", "recognised", "wrong", "missed"):
+        assert summary["gestures"][key] == 2 * alone["gestures"][key]
+    assert summary["false_commands"] == 2 * alone["false_commands"] == 2
+    assert flight().rows[0].time_s == 11.0, "what is appended stays as it was"
+
+
+def test_appending_to_nothing_is_a_copy() -> None:
+    log, other = FlightLog(), FlightLog([], [event("left", 12.4)], list(SHOWN))
+    log.append(other, 0.0)
+    assert log == other

@@ -130,3 +130,14 @@ def test_time_must_run_forward():
         operator.step(0.1, 0.1, DRONE)
     with pytest.raises(InputError, match="dt_s=0"):
         operator.step(0.2, 0.0, DRONE)
+
+
+@pytest.mark.parametrize("drone_xy", [(0.0, 0.0), (5.0, 3.0), (-2.0, 4.0)])
+def test_stepping_back_leads_straight_away_from_wherever_the_drone_is(drone_xy):
+    walk = Walk(1.0, 2.5, 0.0, 0.6, from_drone=True)
+    operator = Operator(Person(), Script((), (walk,), (), 5.0), position_m=(4.0, 1.0))
+    drone = np.array([*drone_xy, 0.0])
+    hips = [operator.step(k / RATE, 1 / RATE, drone)[JOINT["hip_center"], :2] for k in range(1, 150)]
+    before, after = np.mean(hips[:25], axis=0), np.mean(hips[-25:], axis=0)
+    away = (before - drone[:2]) / np.linalg.norm(before - drone[:2])
+    np.testing.assert_allclose(after - before, 0.6 * 2.0 * away, atol=0.05)  # ramps of 0.5 s count half

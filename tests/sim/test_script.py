@@ -23,7 +23,8 @@ def test_a_session_shows_what_it_promises(person_seed, seed):
     assert set(others) <= set(DISTRACTORS)
     assert len(others) == 6, "no other movement twice while there are enough"
     for before, after in pairwise(script.shown):
-        assert 1.5 <= after.start_s - before.end_s <= 6.0
+        landed = before.label == "land"  # the drone comes down and the operator steps back from it
+        assert 1.5 <= after.start_s - before.end_s <= (8.0 if landed else 6.0)
     assert script.shown[0].start_s >= 1.0
     assert script.duration_s >= script.shown[-1].end_s + 1.0
     assert 80 < script.duration_s < 140
@@ -41,7 +42,7 @@ def test_taking_off_comes_first_and_landing_last_and_nobody_walks_from_a_drone_o
     grounded += [(script.shown[edges[1]].start_s, script.shown[edges[2]].end_s + 2.0)]
     for walk in script.walks:
         for start, end in grounded:
-            assert walk.start_s >= end or walk.start_s + walk.duration_s <= start
+            assert walk.from_drone or walk.start_s >= end or walk.start_s + walk.duration_s <= start
 
 
 @settings(max_examples=8, deadline=None)
@@ -58,10 +59,27 @@ def test_walks_are_slow_enough_and_stay_near(seed):
         speed = np.hypot(*velocity.T)
         assert speed.max() <= 0.75
         assert np.abs(np.diff(velocity, axis=0) / 0.02).max() < 3.0
+        if walk.from_drone:
+            continue  # where to is only known once the drone has landed
         place = place + velocity.sum(axis=0) * 0.02
         assert np.hypot(*place) < config.radius_m + 0.5
     for before, after in pairwise(script.walks):
         assert after.start_s >= before.start_s + before.duration_s
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_between_landing_and_taking_off_the_operator_steps_back_once_and_then_stands(seed):
+    config = ScriptConfig()
+    script = plan_session(Person.random(seed), seed, config)
+    landed = next(i for i, shown in enumerate(script.shown) if shown.label == "land")
+    (walk,) = [walk for walk in script.walks if walk.from_drone]
+    assert walk.start_s >= script.shown[landed].end_s + config.descend_s
+    assert walk.start_s + walk.duration_s + 0.5 <= script.shown[landed + 1].start_s
+    clock = np.arange(walk.start_s, walk.start_s + walk.duration_s, 0.001)
+    way = sum(walk.velocity(t) for t in clock) * 0.001
+    np.testing.assert_allclose(way, [config.step_back_m, 0.0], atol=2e-3)
+    stays = plan_session(Person.random(seed), seed, ScriptConfig(step_back_m=0.0))
+    assert not any(walk.from_drone for walk in stays.walks)
 
 
 def test_the_same_seed_plans_the_same_and_another_does_not():
