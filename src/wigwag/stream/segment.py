@@ -15,9 +15,9 @@ from wigwag.skeleton import Clip, Landmark, Pose
 class SegmentConfig:
     """When a body counts as moving, and which stretches are proposed."""
 
-    on_m_s: float = 0.50
+    on_m_s: float = 0.65
     """A movement begins when the fastest joints are faster than this."""
-    off_m_s: float = 0.28
+    off_m_s: float = 0.45
     """Slower than this is a lull."""
     hang_s: float = 0.25
     """A lull this long is rest: the movement is over."""
@@ -26,13 +26,13 @@ class SegmentConfig:
     lull too, however fast they are: so walking is told from the gesture that follows it."""
     fastest: int = 4
     """How many joints speak: the mean speed of this many, the fastest of the moment."""
-    smoothing_s: float = 0.08
+    smoothing_s: float = 0.12
     """Time constant of the low-pass filter on joint positions before they are differentiated."""
-    min_s: float = 0.8
+    min_s: float = 1.0
     """Nothing shorter is proposed."""
     max_s: float = 5.0
     """Nothing longer is proposed."""
-    max_proposals: int = 8
+    max_proposals: int = 6
     """At most so many stretches are proposed at a lull."""
     gap_s: float = 0.5
     """A hole in the stream longer than this ends what was going on."""
