@@ -55,7 +55,7 @@ def test_standing_still_says_nothing_and_calls_nobody() -> None:
 
 def test_a_refused_movement_comes_out_as_the_null_gesture() -> None:
     body = Body()
-    poses = body.go(0, 1) + body.go(0.4, 0.3) + body.go(0, 0.3) + body.go(0, 2)
+    poses = body.go(0, 1) + body.go(0.6, 0.5) + body.go(0, 0.5) + body.go(0, 2)
     (gesture,) = events(poses, Spotter(ByLength()))
     assert (gesture.label, gesture.reason) == (None, "too short")
 
@@ -93,8 +93,8 @@ def test_arms_down() -> None:
 def test_the_surest_of_what_overlaps_speaks() -> None:
     """Both halves are named short (0.6) and the whole long (0.9): one event, the long one."""
     body, recogniser = Body(), ByLength()
-    poses = body.go(0, 1.0) + body.go(1, 0.5) + body.go(0.1, 0.8) + body.go(0.1, 0.1)
-    poses += body.go(0.25, 0.25) + body.go(0, 0.25) + body.go(0, 2)
+    poses = body.go(0, 1.0) + body.go(1, 0.6) + body.go(0.1, 0.8) + body.go(0.1, 0.2)
+    poses += body.go(0.5, 0.4) + body.go(0, 0.4) + body.go(0, 2)
     (gesture,) = events(poses, Spotter(recogniser))
     assert gesture.label == "long"
     assert any(clip.duration_s < 1.9 for clip in recogniser.clips), "the halves were looked at, too"
