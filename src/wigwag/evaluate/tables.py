@@ -103,8 +103,8 @@ def fill(readme: Path, parts: Mapping[str, Sequence[Path]]) -> None:
         records = json.loads(files[0].read_text("utf-8"))
         note = (
             "UTD-MHAD skeletons (`wigwag benchmark utd-mhad --data DIR --json FILE`), one thread, from "
-            "a raw clip to a label. On the random split every test person is also in training; cross-subject and "
-            "leave-one-subject-out meet people never seen:"
+            "a raw clip to a label. On the random split every test person is also in training; cross-subject "
+            "and leave-one-subject-out meet people never seen:"
         )
         sections.append(f"{note}\n\n{recognition_table(records)}")
     if files := parts.get("lift"):
