@@ -30,6 +30,7 @@ COMMANDS_EACH, OTHERS_EACH = 10, 5
 def fly_recorded(demo: Demo, console: Console) -> dict[str, Any]:
     """Show every recording of the six classes one by one, then fly a stream of commands."""
     from wigwag.cli.demo import account_of, fly, load_recogniser, pose_estimator, write
+    from wigwag.datasets.utd_mhad import load_skeletons
     from wigwag.evaluate.flight import FlightLog, summarise
     from wigwag.evaluate.lessons import warm_up
     from wigwag.evaluate.recorded import SHOWN, load_person, teach_recorded
@@ -37,6 +38,7 @@ def fly_recorded(demo: Demo, console: Console) -> dict[str, Any]:
 
     if demo.data is None:
         raise InputError("--motion utd-mhad needs --data: UTD-MHAD's folder (Skeleton.zip or Skeleton/).")
+    load_skeletons(demo.data, labels=("a1",))  # a wrong folder shows before anything is fetched or taught
     with tempfile.TemporaryDirectory() as folder:
         model = Path(folder) / "demo.wigwag"
         with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
