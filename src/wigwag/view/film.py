@@ -25,7 +25,7 @@ class Film:
         ``with Film(Path("flight.mp4")) as film: film.add(picture)``
     """
 
-    def __init__(self, path: Path, rate_hz: int = 15, crf: int = 27) -> None:
+    def __init__(self, path: Path, rate_hz: int = 15, crf: int = 31) -> None:
         self.path, self.rate_hz, self.crf = path, rate_hz, crf
         self._container = av.open(str(path), "w", options={"movflags": "frag_keyframe+empty_moov"})
         self._stream: av.VideoStream | None = None
