@@ -275,7 +275,9 @@ def test_the_drones_state_at_the_frames_stamp_places_the_operator() -> None:
         cos, sin = np.cos(headings[stamp_ns]), np.sin(headings[stamp_ns])
         forward, left = cos * operator[0] + sin * operator[1], -sin * operator[0] + cos * operator[1]
         flight.sight.at_m = (-left, 0.2, forward - 0.1)
-        flight.pilot.step(good(stamp_ns), now_ns)
+        movement = flight.pilot.step(good(stamp_ns), now_ns).movement
+        if movement is not None:
+            assert movement.joints[0, 0] == pytest.approx(0.0, abs=0.01), "the spotter sees no turn"
     track = flight.pilot.track
     assert track.position_m(now_ns)[:2] == pytest.approx(operator[:2], abs=0.01)
     assert np.linalg.norm(track.velocity_m_s) < 0.05
