@@ -5,7 +5,6 @@ from __future__ import annotations
 import multiprocessing
 import tempfile
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -40,9 +39,9 @@ def fly_recorded(demo: Demo, console: Console) -> dict[str, Any]:
         raise InputError("--motion utd-mhad needs --data: UTD-MHAD's folder (Skeleton.zip or Skeleton/).")
     load_skeletons(demo.data, labels=("a1",))  # a wrong folder shows before anything is fetched or taught
     with tempfile.TemporaryDirectory() as folder:
-        model = Path(folder) / "demo.wigwag"
+        model, six = Path(folder) / "stream.wigwag", Path(folder) / "six.wigwag"
         with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
-            taught = pool.submit(teach_recorded, demo.data, model, demo.recognizer)
+            taught = pool.submit(teach_recorded, demo.data, model, six, demo.recognizer)
             warm = pool.submit(warm_up)
             with console.status("Teaching six classes by the skeletons of subjects 1, 3, 5 and 7 ..."):
                 estimator = pose_estimator()
@@ -50,6 +49,7 @@ def fly_recorded(demo: Demo, console: Console) -> dict[str, Any]:
                 warm.result()
                 clips = taught.result()
         recogniser = load_recogniser(demo.recognizer, model)
+        six_classes = load_recogniser(demo.recognizer, six)
 
     answers: list[dict[str, Any]] = []
     stream = FlightLog()
@@ -62,7 +62,7 @@ def fly_recorded(demo: Demo, console: Console) -> dict[str, Any]:
         script = plan_replays(chosen, demo.seed, standing, shuffle=False)
         session = make_session(person, script, estimator, recogniser, demo.seed + number)
         fly(session, estimator, console, None)
-        answers += one_by_one(session, recogniser)
+        answers += one_by_one(session, six_classes)
     for number, (person, items) in enumerate(people):
         mixed = choose(items, np.random.default_rng([0x3141, demo.seed, number]))
         console.print(f"{mixed[0][3]}: a stream of {len(mixed)} recordings, walking between")
@@ -118,21 +118,21 @@ def choose(items: list[Item], rng: np.random.Generator) -> list[Item]:
     return drawn + [others[int(i)] for i in rng.permutation(len(others))[:OTHERS_EACH]]
 
 
-def one_by_one(session: Session, recogniser: Any) -> list[dict[str, Any]]:
-    """Name each recording by the poses that the chain measured while it was shown."""
+def one_by_one(session: Session, six_classes: Any) -> list[dict[str, Any]]:
+    """Say which of the six classes each recording is, by the poses that the chain measured meanwhile.
+
+    As in the paper's table the answer is one of the six; nothing is refused but an operator not seen.
+    """
     from wigwag.skeleton import Clip
 
     stamps = np.array([pose.stamp_ns for pose in session.movements]) * 1e-9
     answers = []
     for shown in session.script.shown:
         inside = np.flatnonzero((stamps >= shown.start_s - 0.1) & (stamps <= shown.end_s + 0.1))
-        label, reason = None, "the operator was not seen"
+        label = None
         if len(inside) >= 4:
             clip = Clip.from_poses([session.movements[int(i)] for i in inside], name=shown.label)
-            gesture = recogniser.recognise(replace(clip, subject=shown.subject))
-            label, reason = gesture.label, gesture.reason
+            label = str(six_classes.predict([clip])[0])
         outcome = "right" if label == shown.label else "null" if label is None else "wrong"
-        answers.append(
-            {"shown": shown.label, "subject": shown.subject, "got": label, "outcome": outcome, "why": reason}
-        )
+        answers.append({"shown": shown.label, "subject": shown.subject, "got": label, "outcome": outcome})
     return answers

@@ -59,6 +59,7 @@ class Session:
             drawn_ms = self.world.spent.render_ms + self.world.spent.noise_ms
             spent_ms = 1e3 * (self.clock() - began) + drawn_ms
             yield Turn(frame, step, self._note(step, spent_ms))
+        self.world.close()
 
     def _note(self, step: Step, spent_ms: float) -> Row:
         now, seen = self.world.truth_now, self.world.truth
