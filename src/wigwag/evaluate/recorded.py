@@ -75,7 +75,7 @@ def teach_recorded(
     Returns:
         How many clips were taught for the stream.
     """
-    config = config or LessonConfig(refused_per_person=40)
+    config = config or LessonConfig(refused_per_person=150)
     sessions = []
     for subject in TRAINING:
         person, items = load_person(data, subject)
