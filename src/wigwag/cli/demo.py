@@ -89,8 +89,8 @@ class Demo:
                 taught = pool.submit(teach_procedural, model, self.recognizer)
                 warm = pool.submit(warm_up)
                 with console.status("Teaching ten gestures by eight simulated training people ..."):
-                    estimator = pose_estimator()
                     warm.result()
+                    estimator = pose_estimator()
                     session = self._procedural_session(estimator)
                     clips = taught.result()
             recogniser = load_recogniser(self.recognizer, model)

@@ -44,9 +44,9 @@ def fly_recorded(demo: Demo, console: Console) -> dict[str, Any]:
             taught = pool.submit(teach_recorded, demo.data, model, six, demo.recognizer)
             warm = pool.submit(warm_up)
             with console.status("Teaching six classes by the skeletons of subjects 1, 3, 5 and 7 ..."):
-                estimator = pose_estimator()
                 people = [load_person(demo.data, subject) for subject in SHOWN]
                 warm.result()
+                estimator = pose_estimator()
                 clips = taught.result()
         recogniser = load_recogniser(demo.recognizer, model)
         six_classes = load_recogniser(demo.recognizer, six)

@@ -52,7 +52,8 @@ def lessons(sessions: Sequence[Session], config: LessonConfig, spot: SpotConfig 
 
 
 def warm_up() -> None:
-    """Compile the world's kernels into the cache, so that whoever needs them next only loads them."""
+    """Compile the kernels of world and lifting into the cache: whoever needs them next only loads them."""
+    from wigwag.pose.lift import Lifter
     from wigwag.sim.motion import Operator
     from wigwag.sim.person import Person
     from wigwag.sim.script import plan_session
@@ -61,8 +62,10 @@ def warm_up() -> None:
     person = Person.random(0)
     world = World(WorldConfig(), 0, Operator(person, plan_session(person, 0)))
     for _ in range(3):
-        world.step()
+        frame = world.step()
     world.close()
+    if frame.depth_mm is not None:
+        Lifter()(np.full((13, 2), 200.0), np.ones(13), frame.depth_mm, frame.intrinsics)
 
 
 def teach_procedural(model: Path, recognizer: str = "heavy", config: LessonConfig | None = None) -> int:
