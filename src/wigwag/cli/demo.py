@@ -66,6 +66,7 @@ class Demo:
         console = Console()
         with threadpool_limits(1):  # small matrices: more threads only wait for each other
             summary = self._fly(console)
+        summary["rss_mb"] = peak_mb()
         summary["wall_s"] = round(time.monotonic() - began, 1)
         (self.out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
         account(console, summary, self.out)
@@ -186,6 +187,11 @@ def _progress(console: Console) -> Progress:
     )
 
 
+def peak_mb() -> int:
+    """Return the most memory this process has held so far, MB."""
+    return round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+
+
 def account_of(session: Session, demo: Demo, extra: dict[str, Any] | None = None) -> dict[str, Any]:
     """Return the figures of a session in the form of summary.json."""
     from wigwag import __version__
@@ -200,7 +206,7 @@ def account_of(session: Session, demo: Demo, extra: dict[str, Any] | None = None
         "recognizer": demo.recognizer,
         **figures,
         "duration_s": round(session.script.duration_s, 1),
-        "rss_mb": round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024),
+        "rss_mb": peak_mb(),
         **(extra or {}),
     }
 
