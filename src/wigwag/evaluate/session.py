@@ -55,9 +55,10 @@ class Session:
             began = self.clock()
             frame = self.world.step()
             step = self.pilot.step(frame, self.world.now_ns)
-            # The world draws on another thread; what that costs is part of the chain all the same.
-            drawn_ms = self.world.spent.render_ms + self.world.spent.noise_ms
-            spent_ms = 1e3 * (self.clock() - began) + drawn_ms
+            spent_ms = 1e3 * (self.clock() - began)
+            if self.world.config.draw_ahead:
+                # What another thread draws is part of the chain all the same.
+                spent_ms += self.world.spent.render_ms + self.world.spent.noise_ms
             yield Turn(frame, step, self._note(step, spent_ms))
         self.world.close()
 
