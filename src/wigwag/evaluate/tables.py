@@ -49,7 +49,7 @@ def lift_table(records: Sequence[Mapping[str, Any]]) -> str:
         "|---|---|---|---|---|",
     ]
     for r in records:
-        if r["subjects"] != "s2 s4 s6 s8" or "_" in r["landmark"]:
+        if not r["subjects"].startswith("s2 s4 s6 s8") or "_" in r["landmark"]:
             continue
         lines.append(
             f"| {r['landmark']} | {r['median_abs_mm']:.1f} | {100 * r['beyond_150_mm']:.1f} | "
