@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -105,8 +105,3 @@ def wrap(angle_rad: float) -> float:
         3.141593
     """
     return -((-angle_rad + np.pi) % (2 * np.pi) - np.pi)
-
-
-def yaw_only(setpoint: Setpoint) -> Setpoint:
-    """Keep the turn, drop the travel."""
-    return replace(setpoint, velocity_m_s=(0.0, 0.0, 0.0))

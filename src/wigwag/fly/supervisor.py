@@ -134,12 +134,9 @@ class Supervisor:
         match now.command:
             case None:
                 return None
-            case Command.STOP if self.mode in (Mode.FOLLOWING, Mode.LOST_PERSON):
-                return Verdict(Mode.HOLDING, HOVER, Action.HOLD, now.command, "stop")
-            case Command.STOP:
-                # On the ground there is nothing to stop; landing and taking off are cut short by holding.
-                if self.mode is Mode.GROUNDED:
-                    return Verdict(self.mode, HOVER, reason="stop: already on the ground")
+            case Command.STOP if self.mode is Mode.GROUNDED:
+                return Verdict(self.mode, HOVER, reason="stop: already on the ground")
+            case Command.STOP:  # landing and taking off are cut short by holding, too
                 return Verdict(Mode.HOLDING, HOVER, Action.HOLD, now.command, "stop")
             case Command.LAND if self.mode is not Mode.GROUNDED:
                 return Verdict(Mode.LANDING, HOVER, Action.LAND, now.command)
