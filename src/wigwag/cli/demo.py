@@ -217,7 +217,9 @@ def write(demo: Demo, session: Session, summary: dict[str, Any], stills: list[St
 
     film = demo.out / "demo.mp4"
     shown = film if demo.film and film.stat().st_size < 24_000_000 else None
-    write_report(demo.out / "report.html", summary, session.log, stills, shown)
+    # The plots' library stays out of the process that flies: it would add a twentieth to its memory.
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+        pool.submit(write_report, demo.out / "report.html", summary, session.log, stills, shown).result()
 
 
 def account(console: Console, summary: dict[str, Any], out: Path) -> None:
