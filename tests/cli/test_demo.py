@@ -108,7 +108,6 @@ def test_a_short_flight_from_pixels_to_figures_report_and_film(tmp_path: Path) -
     summary = account_of(session, demo, {"clips_taught": 0})
     write(demo, session, summary, stills)
     account(console, summary, tmp_path)
-    session.world.close()
 
     frames = int(script.duration_s * 30)
     assert summary["pose"]["frames"] == frames

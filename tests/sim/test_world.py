@@ -170,23 +170,9 @@ def test_bad_configuration_is_an_error():
         WorldConfig(delay_frames=-1)
 
 
-def test_drawing_ahead_changes_no_picture_and_ends_when_closed():
-    """Pictures are drawn on another thread: late ones are those that a prompt camera has, one by one."""
+def test_a_late_camera_brings_the_pictures_of_a_prompt_one():
     late, prompt = world(Walker(), delay_frames=3), world(Walker(), delay_frames=0)
     late_by_stamp = {frame.stamp_ns: frame for frame in (late.step() for _ in range(12))}
     for _ in range(9):
         frame = prompt.step()
         assert np.array_equal(frame.depth_mm, late_by_stamp[frame.stamp_ns].depth_mm)
-    for w in (late, prompt):
-        w.close()
-        w.close()
-        with pytest.raises(RuntimeError, match="shutdown"):
-            w.step()
-
-
-def test_a_fault_while_drawing_surfaces_in_step():
-    w = world(delay_frames=1)
-    w._renderer.render = None  # not callable: the thread that draws stumbles
-    with pytest.raises(TypeError):
-        for _ in range(3):
-            w.step()

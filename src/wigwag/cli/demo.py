@@ -114,7 +114,7 @@ class Demo:
         person = Person.random(self.seed)
         script = plan_session(person, self.seed)
         operator = Operator(person, script, position_m=(START_M, 0.0), seed=self.seed)
-        config = WorldConfig(quadrotor=QuadrotorConfig(position_m=(0.0, 0.0, 0.0)), draw_ahead=False)
+        config = WorldConfig(quadrotor=QuadrotorConfig(position_m=(0.0, 0.0, 0.0)))
         world = World(config, self.seed, operator, Look.from_seed(self.seed, person.height_m))
         pilot = Pilot(estimator, Untaught(), world.vehicle)
         return Session(world, pilot, script)

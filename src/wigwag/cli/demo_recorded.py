@@ -101,7 +101,7 @@ def make_session(
 
     operator = Operator(person, script, position_m=(4.0, 0.0), seed=seed)
     look = Look.from_seed(seed, person.height_m)
-    world = World(WorldConfig(draw_ahead=False), seed, operator, look)
+    world = World(WorldConfig(), seed, operator, look)
     estimator.reset()
     return Session(world, Pilot(estimator, recogniser, world.vehicle, commands=COMMANDS), script)
 

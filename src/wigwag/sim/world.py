@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -50,9 +49,6 @@ class WorldConfig:
     quadrotor: QuadrotorConfig = field(default_factory=QuadrotorConfig)
     autopilot: AutopilotConfig = field(default_factory=AutopilotConfig)
     scene: SceneConfig = field(default_factory=SceneConfig)
-    draw_ahead: bool = True
-    """Draw a picture that is on its way on a thread of its own: quicker by the clock where two cores are
-    free, dearer in processor time."""
     noise: SensorNoiseConfig | None = field(default_factory=SensorNoiseConfig)
     """``None``: a perfect sensor."""
 
@@ -152,9 +148,8 @@ class World:
         middle = (self._joints[_LEFT_HIP] + self._joints[_RIGHT_HIP])[:2] / 2
         clear = np.stack([middle, np.asarray(config.quadrotor.position_m[:2], float)])
         self._renderer = Renderer(config.intrinsics, Scene(config.scene, seed, clear=clear))
-        # A picture that is on its way for a frame is drawn meanwhile, on a core of its own if there is one.
-        self._drawing = ThreadPoolExecutor(1, "camera")
-        self._pending: deque[Future[tuple[Frame, Truth]]] = deque()
+        self._pending: deque[tuple[Frame, Truth]] = deque()
+        """Pictures that are on their way, oldest first."""
         self._fill()
 
     @property
@@ -194,18 +189,9 @@ class World:
         self._joints = self._move(dt_s)
         self.spent.physics_ms = 1e3 * (flown - began)
         self.spent.operator_ms = 1e3 * (self._clock() - flown)
-        if self.config.draw_ahead:
-            self._pending.append(self._drawing.submit(self._shoot, self.truth_now))
-        else:
-            prompt: Future[tuple[Frame, Truth]] = Future()
-            prompt.set_result(self._shoot(self.truth_now))
-            self._pending.append(prompt)
-        frame, self._returned = self._pending.popleft().result()
+        self._pending.append(self._shoot(self.truth_now))
+        frame, self._returned = self._pending.popleft()
         return frame
-
-    def close(self) -> None:
-        """Let go of the thread that draws."""
-        self._drawing.shutdown(cancel_futures=True)
 
     def _fill(self) -> None:
         """Let the first pictures be on their way, as if the world had stood still before."""
@@ -214,9 +200,7 @@ class World:
         self._returned = truth
         for k in range(self.config.delay_frames, 0, -1):
             stamp = round(-(k - 1) * period_ns)
-            late: Future[tuple[Frame, Truth]] = Future()
-            late.set_result((Frame(frame.rgb, frame.depth_mm, frame.intrinsics, stamp), truth))
-            self._pending.append(late)
+            self._pending.append((Frame(frame.rgb, frame.depth_mm, frame.intrinsics, stamp), truth))
 
     def _move(self, dt_s: float) -> Float[np.ndarray, "20 3"]:
         at = self._quadrotor.state.position_m
