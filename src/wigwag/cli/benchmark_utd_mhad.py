@@ -22,8 +22,11 @@ class UtdMhadBenchmark:
 
     data: Path
     """Folder with Skeleton.zip (or the zip file, or a folder with Skeleton/*.mat)."""
-    recognizer: Literal["heavy", "encoded", "all"] = "all"
-    """Which recogniser."""
+    recognizer: Literal[
+        "heavy", "encoded", "all", "classical", "schneider", "celebi", "rwigema", "aeon-dtw", "multirocket",
+        "baselines",
+    ] = "all"  # fmt: skip
+    """Which recogniser. all: wigwag's own; baselines: what others published, and libraries."""
     protocol: Literal["random", "cross-subject", "loso", "all"] = "all"
     """random: the paper's split; cross-subject: learn from people 1, 3, 5, 7; loso: each person in turn."""
     classes: Literal["27", "6", "7", "all"] = "all"
@@ -84,16 +87,15 @@ class UtdMhadBenchmark:
 
     def _rows(self) -> list[Row]:
         from wigwag.evaluate.protocols import CLASS_SETS, PROTOCOLS
-        from wigwag.evaluate.utd_mhad import RECOGNIZERS, Row
+        from wigwag.evaluate.utd_mhad import BASELINES, RECOGNIZERS, Row
 
+        groups = {"all": tuple(RECOGNIZERS), "baselines": tuple(BASELINES)}
         return [
             Row(recognizer, protocol, classes)
-            for recognizer in RECOGNIZERS
+            for recognizer in groups.get(self.recognizer, (self.recognizer,))
             for protocol in PROTOCOLS
             for classes in CLASS_SETS
-            if self.recognizer in (recognizer, "all")
-            and self.protocol in (protocol, "all")
-            and self.classes in (classes, "all")
+            if self.protocol in (protocol, "all") and self.classes in (classes, "all")
         ]
 
     def _run_rows(self, console: Console, clips: list[Clip], records: Records) -> list[tuple[str, str]]:

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
-from typing import Protocol as TypingProtocol
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from wigwag.errors import InputError
 from wigwag.evaluate.metrics import (
     accuracy,
     confusion,
@@ -30,40 +28,8 @@ from wigwag.evaluate.protocols import (
     of_classes,
     random_split,
 )
+from wigwag.evaluate.recognizers import BASELINES, RECOGNIZERS, SEEDLESS, Recognizer, maker_of
 from wigwag.skeleton import Clip
-
-
-class Recognizer(TypingProtocol):
-    """What is benchmarked: a scikit-learn estimator over lists of clips."""
-
-    def fit(self, clips: Sequence[Clip]) -> object:
-        """Learn from labelled clips."""
-        ...
-
-    def predict(self, clips: Sequence[Clip]) -> Iterable[str]:
-        """Return a label a clip."""
-        ...
-
-
-def _heavy(seed: int) -> Recognizer:
-    from wigwag.recognise import HeavyRecognizer
-
-    recognizer: Recognizer = HeavyRecognizer(random_state=seed)
-    return recognizer
-
-
-def _encoded(seed: int) -> Recognizer:
-    from wigwag.recognise import EncodedRecognizer
-
-    recognizer: Recognizer = EncodedRecognizer(random_state=seed)
-    return recognizer
-
-
-RECOGNIZERS: dict[str, Callable[[int], Recognizer]] = {"heavy": _heavy, "encoded": _encoded}
-"""Name to a maker that takes the seed."""
-
-SEEDLESS: frozenset[str] = frozenset({"heavy"})
-"""Recognisers that decide the same whatever the seed: where the split is fixed, one run says all."""
 
 PAPER: dict[tuple[str, str], tuple[float, float]] = {
     ("heavy", "27"): (98.27, 2083.0),
@@ -98,7 +64,7 @@ class Row:
     """One row of the table: a recogniser under a protocol on a class set."""
 
     recognizer: str
-    """A name of ``RECOGNIZERS``."""
+    """A name of ``RECOGNIZERS`` or ``BASELINES``."""
     protocol: Protocol
     """How clips are parted."""
     classes: str
@@ -212,8 +178,7 @@ def run_row(
     Raises:
         InputError: If there is no such recogniser, or the clips cannot be split that way.
     """
-    if row.recognizer not in RECOGNIZERS:
-        raise InputError(f"recognizer must be one of {', '.join(RECOGNIZERS)}, but got {row.recognizer!r}.")
+    maker_of(row.recognizer)  # found out before the work
     kept = of_classes(clips, row.classes)
     splits = plan(kept, row, seeds)
     result = Result(row)
@@ -236,7 +201,7 @@ def warm_up(clips: Sequence[Clip], recognizer: str) -> None:
     some = {(clip.label, clip.subject): clip for clip in clips if clip.label in labels}
     few = list(some.values())[:12]
     with one_thread():
-        estimator = RECOGNIZERS[recognizer](0)
+        estimator = maker_of(recognizer)(0)
         estimator.fit(few)
         estimator.predict(few[:2])
 
@@ -259,7 +224,7 @@ def one_thread() -> Iterator[None]:
 def _run(
     clips: Sequence[Clip], recognizer: str, split: Split, seed: int, step: Callable[[int], object]
 ) -> Run:
-    estimator = RECOGNIZERS[recognizer](seed)
+    estimator = maker_of(recognizer)(seed)
     step(0)
     start = time.perf_counter()
     estimator.fit([clips[i] for i in split.train])
@@ -286,5 +251,6 @@ def _run(
 
 
 __all__ = [
-    "PAPER", "RECOGNIZERS", "Recognizer", "Result", "Row", "Run", "one_thread", "plan", "run_row", "warm_up",
+    "BASELINES", "PAPER", "RECOGNIZERS", "Recognizer", "Result", "Row", "Run", "one_thread", "plan",
+    "run_row", "warm_up",
 ]  # fmt: skip
