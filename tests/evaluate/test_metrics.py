@@ -10,8 +10,11 @@ from sklearn.metrics import accuracy_score, confusion_matrix, f1_score
 from wigwag.errors import InputError
 from wigwag.evaluate.metrics import (
     accuracy,
+    auroc,
+    calibration_error,
     confusion,
     draw_confusion,
+    false_accept_at,
     macro_f1,
     people_interval,
     t_interval,
@@ -98,3 +101,49 @@ def test_picture_shows_the_matrix(tmp_path: Path) -> None:
     assert min(picture.shape[:2]) > 300
     blue = (picture[..., 0].astype(int) - picture[..., 2]) > 60
     assert blue.sum() > 1000, "the diagonal is dark blue"
+
+
+def test_calibration_error_by_hand() -> None:
+    """Two bins: 4 cases at 0.9 of which 3 are right, 6 at 0.5 of which 6 are."""
+    confidence, right = [0.9] * 4 + [0.5] * 6, [True] * 3 + [False] + [True] * 6
+    assert calibration_error(confidence, right) == pytest.approx(0.4 * 0.15 + 0.6 * 0.5)
+    assert calibration_error([1.0, 0.0], [True, False]) == 0.0
+    # 15 bins of equally many of 30 cases: each mixes two neighbours
+    sure = np.linspace(0.5, 1.0, 30)
+    assert calibration_error(sure, [True] * 30, adaptive=True) == pytest.approx(1 - sure.mean())
+
+
+@given(st.integers(0, 99))
+def test_honest_confidences_are_calibrated(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    sure = rng.uniform(0, 1, 20_000)
+    right = rng.random(20_000) < sure
+    for adaptive in (False, True):
+        assert calibration_error(sure, right, adaptive) < 0.03
+        assert calibration_error(np.sqrt(sure), right, adaptive) > 0.1, "and boastful ones are not"
+
+
+def test_calibration_error_faults() -> None:
+    with pytest.raises(InputError, match=r"within 0 to 1, but range from 0\.5 to 1\.5"):
+        calibration_error([0.5, 1.5], [True, False])
+    with pytest.raises(InputError, match="at least 1"):
+        calibration_error([], [])
+
+
+@given(st.lists(st.integers(0, 5), min_size=1), st.lists(st.integers(0, 5), min_size=1))
+def test_auroc_is_the_share_of_pairs_in_order(known: list[int], unknown: list[int]) -> None:
+    pairs = [(k > u) + 0.5 * (k == u) for k in known for u in unknown]
+    assert auroc(known, unknown) == pytest.approx(np.mean(pairs))
+    assert auroc(known, unknown) + auroc(unknown, known) == pytest.approx(1)
+
+
+def test_false_accepts_at_a_share() -> None:
+    known, unknown = np.arange(100.0), np.array([3.0, 4.0, 4.5, 5.0, 60.0])
+    assert false_accept_at(0.95, known, unknown) == pytest.approx(2 / 5), "threshold 5: 95 of 100 pass"
+    assert false_accept_at(1.0, known, unknown) == 1.0
+    assert false_accept_at(0.5, known, unknown) == pytest.approx(1 / 5)
+    for bad in (([], [1.0]), ([1.0], [])):
+        with pytest.raises(InputError, match="cases of both kinds"):
+            false_accept_at(0.95, *bad)
+        with pytest.raises(InputError, match="cases of both kinds"):
+            auroc(*bad)

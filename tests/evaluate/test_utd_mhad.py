@@ -7,6 +7,7 @@ from wigwag.errors import InputError
 from wigwag.evaluate import utd_mhad
 from wigwag.evaluate.metrics import t_interval, wilson_interval
 from wigwag.evaluate.protocols import CLASS_SETS, Split
+from wigwag.evaluate.recognizers import BASELINES, maker_of
 from wigwag.evaluate.utd_mhad import Result, Row, Run, plan, run_row, warm_up
 from wigwag.skeleton import Clip
 
@@ -159,6 +160,37 @@ def test_progress_reaches_the_total() -> None:
 def test_warm_up_uses_few_clips(reader: type[Reader]) -> None:
     warm_up(clips(), "reader")
     assert len(reader.made[0].learned) <= 12
+
+
+def test_calibration_is_of_all_cases_and_costs_no_case_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Sure of everything by 0.9, right in three people and a sixth of four."""
+
+    class Sure(Reader):
+        classes_ = np.array(CLASS_SETS["6"])
+
+        def predict_proba(self, clips: Sequence[Clip]) -> np.ndarray:
+            assert all(clip.label is None and clip.subject is None for clip in clips)
+            decided = [CLASS_SETS["6"].index(label) for label in self.predict(clips)]
+            return np.where(np.arange(6) == np.array(decided)[:, None], 0.9, 0.02)
+
+    monkeypatch.setitem(utd_mhad.RECOGNIZERS, "sure", Sure)
+    result = run_row(clips(), Row("sure", "cross-subject", "6"), range(2))
+    assert [len(run.case_s) for run in result.runs] == [48, 48]
+    record = result.record(0)
+    assert record["ece"] == pytest.approx(abs(record["accuracy_mean"] - 0.9))
+    assert record["ece_adaptive"] >= record["ece"]
+
+
+def test_without_probabilities_there_is_no_calibration() -> None:
+    record = run_row(clips(), Row("reader", "cross-subject", "6"), SEEDS).record(seed=0)
+    assert record["ece"] is None
+    assert record["ece_adaptive"] is None
+
+
+def test_baselines_are_known_by_name() -> None:
+    assert set(BASELINES) == {"classical", "schneider", "celebi", "rwigema", "aeon-dtw", "multirocket"}
+    for name in BASELINES:
+        maker_of(name)(3)
 
 
 def test_faults() -> None:

@@ -13,6 +13,9 @@ from wigwag.errors import InputError
 RESAMPLES = 10_000
 """Of the bootstrap over people."""
 
+BINS = 15
+"""Of the calibration error."""
+
 
 def accuracy(truth: Sequence[str], predicted: Sequence[str]) -> float:
     """Share of cases that are right."""
@@ -126,6 +129,89 @@ def people_interval(
     return float(low), float(high)
 
 
+def calibration_error(
+    confidence: Sequence[float] | np.ndarray, right: Sequence[bool] | np.ndarray, adaptive: bool = False
+) -> float:
+    """Expected calibration error: how far confidences lie from the share that is right, on average.
+
+    Cases are put into 15 bins by their confidence; the gaps between the share that is right and the mean
+    confidence are averaged over the bins, each weighed by its cases (Guo et al., "On Calibration of Modern
+    Neural Networks", ICML 2017).
+
+    Args:
+        confidence: Probability given to the decision, 0 to 1.
+        right: Whether the decision is right.
+        adaptive: Bins of equally many cases instead of equally wide ones. Where nearly all confidences lie
+            close to 1, equally wide bins see little.
+
+    Raises:
+        InputError: If the lengths differ, there are no cases, or a confidence is not within 0 to 1.
+
+    Example:
+        >>> calibration_error([0.9] * 10, [True] * 8 + [False] * 2)
+        0.1
+    """
+    _same_length(confidence, right)
+    sure, hit = np.asarray(confidence, dtype=np.float64), np.asarray(right, dtype=np.float64)
+    if not ((sure >= 0) & (sure <= 1)).all():
+        raise InputError(f"Confidences must be within 0 to 1, but range from {sure.min()} to {sure.max()}.")
+    if adaptive:
+        order = np.argsort(sure, kind="stable")
+        bins = [part for part in np.array_split(order, BINS) if len(part)]
+    else:
+        number = np.minimum((sure * BINS).astype(int), BINS - 1)
+        bins = [np.flatnonzero(number == b) for b in np.unique(number)]
+    gaps = [len(part) * abs(float(hit[part].mean() - sure[part].mean())) for part in bins]
+    return round(float(np.sum(gaps)) / len(sure), 12)
+
+
+def auroc(known: Sequence[float] | np.ndarray, unknown: Sequence[float] | np.ndarray) -> float:
+    """Area under the receiver operating characteristic: how often a known case scores above an unknown one.
+
+    Ties count half.
+
+    Raises:
+        InputError: If either side has no cases.
+
+    Example:
+        >>> auroc([2.0, 3.0], [1.0, 2.0])
+        0.875
+    """
+    from scipy.stats import rankdata
+
+    if len(known) == 0 or len(unknown) == 0:
+        raise InputError(f"AUROC needs cases of both kinds, but got {len(known)} and {len(unknown)}.")
+    ranks = rankdata(np.concatenate([known, unknown]))
+    above = ranks[: len(known)].sum() - len(known) * (len(known) + 1) / 2
+    return float(above / (len(known) * len(unknown)))
+
+
+def false_accept_at(
+    share: float, known: Sequence[float] | np.ndarray, unknown: Sequence[float] | np.ndarray
+) -> float:
+    """Share of unknown cases that pass the highest threshold which lets ``share`` of the known ones pass.
+
+    The threshold is read off the cases that are judged, as is usual for this figure: it says what the score
+    could do, not what a threshold chosen beforehand does.
+
+    Args:
+        share: Of the known cases, 0 to 1.
+        known: Scores, higher for known.
+        unknown: Scores.
+
+    Raises:
+        InputError: If either side has no cases or the share is not within 0 to 1.
+    """
+    if len(known) == 0 or len(unknown) == 0 or not 0 < share <= 1:
+        raise InputError(
+            f"Expected cases of both kinds and a share above 0 to 1, but got {len(known)}, {len(unknown)} "
+            f"and {share}."
+        )
+    passing = int(np.ceil(share * len(known) - 1e-9))
+    threshold = np.sort(np.asarray(known))[::-1][passing - 1]
+    return float(np.mean(np.asarray(unknown) >= threshold))
+
+
 def draw_confusion(
     counts: Int[np.ndarray, "classes classes"], names: Sequence[str], title: str, path: str | Path
 ) -> None:
@@ -175,5 +261,6 @@ def _same_length(a: Sequence[object] | np.ndarray, b: Sequence[object] | np.ndar
 
 
 __all__ = [
-    "accuracy", "confusion", "draw_confusion", "macro_f1", "people_interval", "t_interval", "wilson_interval",
+    "accuracy", "auroc", "calibration_error", "confusion", "draw_confusion", "false_accept_at", "macro_f1",
+    "people_interval", "t_interval", "wilson_interval",
 ]  # fmt: skip

@@ -13,6 +13,7 @@ from jaxtyping import Float, Int
 
 from wigwag.evaluate.metrics import (
     accuracy,
+    calibration_error,
     confusion,
     macro_f1,
     people_interval,
@@ -57,6 +58,10 @@ class Run:
     names: list[str]
     fit_s: float
     case_s: list[float]
+    confidence: list[float] = field(default_factory=list)
+    """Probability of the most probable class, a case; empty if the recogniser gives none."""
+    sure_of_right: list[bool] = field(default_factory=list)
+    """Whether that class is the right one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +96,8 @@ class Result:
         ``accuracy_std`` and ``accuracy_ci95`` are over the splits for the random protocol (Student's t). For
         the other two, the deviation is that between test people and the interval a bootstrap of whole
         people. Where there is one random split alone, or no case at all is wrong, Wilson's score over the
-        clips judged stands in: the other two would give an interval of no width.
+        clips judged stands in: the other two would give an interval of no width. ``ece`` and ``ece_adaptive``
+        are :func:`wigwag.evaluate.metrics.calibration_error` of ``predict_proba``, where there is one.
         """
         right, people = self._by_case()
         accuracies = [accuracy(run.truth, run.predicted) for run in self.runs]
@@ -123,7 +129,18 @@ class Result:
             "seeds": len({run.seed for run in self.runs}),
             "splits": len(self.runs),
             "cases": len(right),
+            "ece": self._calibration_error(),
+            "ece_adaptive": self._calibration_error(adaptive=True),
         }
+
+    def _calibration_error(self, adaptive: bool = False) -> float | None:
+        """Return the expected calibration error over the cases of all runs; None without probabilities."""
+        if any(not run.confidence for run in self.runs):
+            return None
+        confidence = np.concatenate([run.confidence for run in self.runs])
+        return calibration_error(
+            confidence, np.concatenate([run.sure_of_right for run in self.runs]), adaptive
+        )
 
     def _tables(self) -> list[Int[np.ndarray, "classes classes"]]:
         """Return the confusion of each run; of leave-one-subject-out, whose runs make one whole, the sum."""
@@ -238,6 +255,7 @@ def _run(
         case_s.append(time.perf_counter() - start)
         predicted.append(str(answer[0]))
         step(done + 1)
+    confidence, sure_of_right = _confidence(estimator, [clips[i] for i in split.test])
     return Run(
         split=split,
         seed=seed,
@@ -247,7 +265,23 @@ def _run(
         names=[clips[i].name for i in split.test],
         fit_s=fit_s,
         case_s=case_s,
+        confidence=confidence,
+        sure_of_right=sure_of_right,
     )
+
+
+def _confidence(estimator: Recognizer, clips: Sequence[Clip]) -> tuple[list[float], list[bool]]:
+    """Return how probable each case's most probable class is said to be, and whether it is right.
+
+    No case is charged for it.
+    """
+    proba, classes = getattr(estimator, "predict_proba", None), getattr(estimator, "classes_", None)
+    if proba is None or classes is None:
+        return [], []
+    given = np.asarray(proba([Clip(clip.joints, clip.stamps_ns, name="case") for clip in clips]))
+    best = given.argmax(axis=1)
+    right = [str(classes[b]) == clip.label for b, clip in zip(best, clips, strict=True)]
+    return [float(p) for p in np.clip(given.max(axis=1), 0.0, 1.0)], right
 
 
 __all__ = [
