@@ -23,7 +23,7 @@ def test_a_random_person_is_of_human_size(seed):
     assert 0.75 <= person.tempo <= 1.3
     joints = standing(person)
     head_top = joints[JOINT["head"], 2] + 0.065 * person.height_m
-    assert head_top == pytest.approx(person.height_m, rel=0.10)  # stature is nominal, bones vary
+    assert head_top == pytest.approx(person.height_m, rel=0.02)  # knees are never quite straight
     span = np.linalg.norm(joints[JOINT["left_shoulder"]] - joints[JOINT["left_hand"]])
     assert 0.28 < span / person.height_m < 0.42
     assert joints[JOINT["left_hand"], 2] > 0.3 * person.height_m
@@ -54,7 +54,7 @@ def test_limbs_are_measured_back_from_a_skeleton():
         assert getattr(measured, name) == pytest.approx(getattr(person, name), abs=1e-9), name
     assert measured.shoulder_half_m == pytest.approx(person.shoulder_half_m, rel=0.01)
     assert measured.hip_half_m == pytest.approx(person.hip_half_m, rel=0.01)
-    assert measured.height_m == pytest.approx(person.height_m, rel=0.08)
+    assert measured.height_m == pytest.approx(person.height_m, rel=0.03)
     assert measured.seed == 3
 
 

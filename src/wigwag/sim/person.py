@@ -33,13 +33,19 @@ TREE: tuple[tuple[int, int], ...] = tuple(
 )
 """The 19 bones as (child, parent), parents first; the root is ``hip_center``."""
 
-# Share of the stature, from the mean of UTD-MHAD's Kinect skeletons (whose head-to-foot distance is
+# Share of the stature, from the mean of UTD-MHAD's Kinect skeletons (whose head-to-ankle distance is
 # about 0.9 of the stature) and anthropometric tables for the arms, which a Kinect makes too short.
 _SHARES = {
-    "spine_m": 0.046, "chest_m": 0.200, "neck_m": 0.110, "shoulder_half_m": 0.100, "shoulder_drop_m": 0.055,
-    "upper_arm_m": 0.162, "forearm_m": 0.142, "hand_m": 0.045, "hip_half_m": 0.044, "hip_drop_m": 0.044,
-    "thigh_m": 0.255, "shin_m": 0.215, "foot_m": 0.075, "ankle_height_m": 0.045,
+    "spine_m": 0.047, "chest_m": 0.204, "neck_m": 0.112, "shoulder_half_m": 0.100, "shoulder_drop_m": 0.055,
+    "upper_arm_m": 0.162, "forearm_m": 0.142, "hand_m": 0.045, "hip_half_m": 0.044, "hip_drop_m": 0.045,
+    "thigh_m": 0.261, "shin_m": 0.220, "foot_m": 0.075, "ankle_height_m": 0.046,
 }  # fmt: skip
+
+_UPRIGHT = ("ankle_height_m", "shin_m", "thigh_m", "hip_drop_m", "spine_m", "chest_m", "neck_m")
+"""What stands on top of each other from the ground to the middle of the head."""
+
+_CROWN = 0.065
+"""Middle of the head to its top, share of the stature."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,11 +60,11 @@ class Person:
     """Names the person; what is random about them, clothes included, follows from it."""
     height_m: float = 1.75
     """Stature from the ground to the top of the head."""
-    spine_m: float = 0.08
+    spine_m: float = 0.082
     """Hip centre to the middle of the spine."""
-    chest_m: float = 0.35
+    chest_m: float = 0.357
     """Middle of the spine to the shoulder centre."""
-    neck_m: float = 0.19
+    neck_m: float = 0.196
     """Shoulder centre to the middle of the head."""
     shoulder_half_m: float = 0.175
     """Half the width of the shoulders."""
@@ -72,15 +78,15 @@ class Person:
     """Wrist to the middle of the hand."""
     hip_half_m: float = 0.077
     """Half the distance between the hip joints."""
-    hip_drop_m: float = 0.077
+    hip_drop_m: float = 0.079
     """How far the hip joints lie below the hip centre."""
-    thigh_m: float = 0.446
+    thigh_m: float = 0.457
     """Hip to knee."""
-    shin_m: float = 0.376
+    shin_m: float = 0.385
     """Knee to ankle."""
     foot_m: float = 0.131
     """Ankle to the middle of the foot."""
-    ankle_height_m: float = 0.079
+    ankle_height_m: float = 0.081
     """The ankle's height above the ground when the foot stands flat."""
     stance_half_m: float = 0.11
     """Half the distance of the ankles when standing."""
@@ -137,6 +143,9 @@ class Person:
             name: float(height * share * group.get(name, 1.0) * np.exp(rng.normal(0, 0.02)))
             for name, share in _SHARES.items()
         }
+        # However the bones share it, the stature is what was drawn.
+        stretch = (1 - _CROWN) * height / sum(sizes[name] for name in _UPRIGHT)
+        sizes |= {name: stretch * sizes[name] for name in _UPRIGHT}
         return cls(
             seed=seed,
             height_m=height,
@@ -205,7 +214,8 @@ class Person:
             name: getattr(base, name) for name in cls.__slots__ if name not in (*_SHARES, "seed", "height_m")
         }
         habits["stance_half_m"] = base.stance_half_m * height / base.height_m
-        return cls(seed=seed, height_m=height, ankle_height_m=0.045 * height, **sizes, **habits)
+        sizes["ankle_height_m"] = _SHARES["ankle_height_m"] * height
+        return cls(seed=seed, height_m=height, **sizes, **habits)
 
     @property
     def leg_m(self) -> float:
