@@ -7,7 +7,10 @@ from typing import Annotated
 
 import tyro
 
+from wigwag.cli.benchmark_few_shot import FewShotBenchmark
 from wigwag.cli.benchmark_lift import LiftBenchmark
+from wigwag.cli.benchmark_reject import RejectBenchmark
+from wigwag.cli.benchmark_transfer import TransferBenchmark
 from wigwag.cli.benchmark_utd_mhad import UtdMhadBenchmark
 
 
@@ -19,6 +22,9 @@ class Benchmark:
         tyro.conf.OmitSubcommandPrefixes[
             Annotated[UtdMhadBenchmark, tyro.conf.subcommand("utd-mhad")]
             | Annotated[LiftBenchmark, tyro.conf.subcommand("lift")]
+            | Annotated[FewShotBenchmark, tyro.conf.subcommand("few-shot")]
+            | Annotated[RejectBenchmark, tyro.conf.subcommand("reject")]
+            | Annotated[TransferBenchmark, tyro.conf.subcommand("transfer")]
         ]
     ]
 

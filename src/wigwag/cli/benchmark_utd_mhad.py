@@ -67,23 +67,14 @@ class UtdMhadBenchmark:
         return 0
 
     def _load(self, console: Console) -> list[Clip]:
-        from rich.progress import Progress
-
-        from wigwag.cli.benchmark_text import say_left_out
+        from wigwag.cli.benchmark_text import read
         from wigwag.datasets.utd_mhad import load_skeletons
         from wigwag.evaluate.protocols import CLASS_SETS
 
         labels = None if self.classes in ("27", "all") else CLASS_SETS[self.classes]
-        with Progress(console=console, transient=True) as bar:
-            task = bar.add_task("Reading UTD-MHAD", total=None)
-            loaded = load_skeletons(
-                self.data,
-                labels,
-                progress=lambda done, total: bar.update(task, completed=done, total=total),
-            )
-        say_left_out(console, loaded.left_out)
-        console.print(f"{len(loaded)} clips of {len({c.subject for c in loaded.clips})} people.")
-        return loaded.clips
+        return read(
+            console, "UTD-MHAD", lambda progress: load_skeletons(self.data, labels, progress=progress)
+        ).clips
 
     def _rows(self) -> list[Row]:
         from wigwag.evaluate.protocols import CLASS_SETS, PROTOCOLS

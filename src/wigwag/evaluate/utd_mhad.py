@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -30,6 +29,7 @@ from wigwag.evaluate.protocols import (
     random_split,
 )
 from wigwag.evaluate.recognizers import BASELINES, RECOGNIZERS, SEEDLESS, Recognizer, maker_of
+from wigwag.evaluate.threads import one_thread
 from wigwag.skeleton import Clip
 
 PAPER: dict[tuple[str, str], tuple[float, float]] = {
@@ -207,7 +207,7 @@ def run_row(
                 if progress is not None:
                     progress(name, before + steps, total)
 
-            result.runs.append(_run(kept, row.recognizer, split, seed, step))
+            result.runs.append(run_split(kept, row.recognizer, split, seed, step))
             done += 1 + len(split.test)
     return result
 
@@ -223,24 +223,18 @@ def warm_up(clips: Sequence[Clip], recognizer: str) -> None:
         estimator.predict(few[:2])
 
 
-@contextmanager
-def one_thread() -> Iterator[None]:
-    """Hold numpy's, scikit-learn's and numba's thread pools to one thread."""
-    import numba
-    from threadpoolctl import threadpool_limits
-
-    threads = numba.get_num_threads()
-    numba.set_num_threads(1)
-    try:
-        with threadpool_limits(limits=1):
-            yield
-    finally:
-        numba.set_num_threads(threads)
-
-
-def _run(
+def run_split(
     clips: Sequence[Clip], recognizer: str, split: Split, seed: int, step: Callable[[int], object]
 ) -> Run:
+    """Fit to a split's training clips and decide its test clips one by one, timed from raw clip to label.
+
+    Args:
+        clips: All of them.
+        recognizer: A name of ``RECOGNIZERS`` or ``BASELINES``.
+        split: Which clips are learned from, which are judged.
+        seed: Of the recogniser.
+        step: Called with the number of steps done; fitting is one, each case is one.
+    """
     estimator = maker_of(recognizer)(seed)
     step(0)
     start = time.perf_counter()
@@ -286,5 +280,5 @@ def _confidence(estimator: Recognizer, clips: Sequence[Clip]) -> tuple[list[floa
 
 __all__ = [
     "BASELINES", "PAPER", "RECOGNIZERS", "Recognizer", "Result", "Row", "Run", "one_thread", "plan",
-    "run_row", "warm_up",
+    "run_row", "run_split", "warm_up",
 ]  # fmt: skip
