@@ -8,6 +8,7 @@ of AVX-512. The lanes of a cell's cost stay in registers over all features.
 Everything here trusts its arguments; :mod:`wigwag.distances.packed` checks them.
 """
 
+# ruff: noqa: PLR0917  (compiled functions are called by position)
 from __future__ import annotations
 
 from typing import Any
@@ -24,6 +25,9 @@ _ROW_BYTES = 128
 _ROWS = 2
 """Query frames that meet a reference's frame at once, so that it is loaded once for both."""
 
+_CHUNK = 256
+"""Features of a frame, all lanes, that stay in the first cache (32 KiB) while the query's frames pass by."""
+
 _FIRST_LOOK = 3
 """References beyond k that are looked at first; what they give decides how many follow."""
 
@@ -33,7 +37,7 @@ FAR = 1e30
 
 def lanes_of(dtype: Any) -> int:
     """Return how many references of this floating point type stand side by side."""
-    return _ROW_BYTES // np.dtype(dtype).itemsize
+    return int(_ROW_BYTES // np.dtype(dtype).itemsize)
 
 
 @intrinsic
@@ -41,32 +45,32 @@ def _lanes(context, array):  # type: ignore[no-untyped-def]  # numba's protocol
     """Return ``lanes_of(array.dtype)`` as a constant, so that loops over lanes have a known length."""
     lanes = lanes_of(str(array.dtype))
 
-    def code(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return ir.Constant(context.get_value_type(types.intp), lanes)
 
     return types.intp(array), code
 
 
-def _least(builder, a, b):  # type: ignore[no-untyped-def]
+def _least(builder: Any, a: Any, b: Any) -> Any:
     return builder.select(builder.fcmp_ordered("<", a, b, flags=["fast"]), a, b)
 
 
-def _most(builder, a, b):  # type: ignore[no-untyped-def]
+def _most(builder: Any, a: Any, b: Any) -> Any:
     return builder.select(builder.fcmp_ordered(">", a, b, flags=["fast"]), a, b)
 
 
-def _zeros(vector):  # type: ignore[no-untyped-def]
+def _zeros(vector: Any) -> Any:
     return ir.Constant(vector, [0.0] * vector.count)
 
 
-def _lane_row(builder, pointer, row, vector):  # type: ignore[no-untyped-def]
+def _lane_row(builder: Any, pointer: Any, row: Any, vector: Any) -> Any:
     """Return a pointer to row ``row`` of lanes."""
     width = ir.Constant(row.type, vector.count)
     return builder.bitcast(builder.gep(pointer, [builder.mul(row, width)]), vector.as_pointer())
 
 
-def _gap(builder, low, high, theirs, box):  # type: ignore[no-untyped-def]
-    """Return by how much ``theirs`` misses the point ``low`` or, lane by lane, the box ``low`` to ``high``."""
+def _gap(builder: Any, low: Any, high: Any, theirs: Any, box: bool) -> Any:
+    """Return by how much ``theirs`` misses the point ``low``, or the box from ``low`` to ``high``."""
     below = builder.fsub(low, theirs, flags=["fast"])
     if not box:
         return below
@@ -75,42 +79,48 @@ def _gap(builder, low, high, theirs, box):  # type: ignore[no-untyped-def]
 
 
 def _squares(box: bool) -> Any:
-    """Make the function that writes squared distances of ``_ROWS`` query frames to one frame of all lanes.
+    """Make the function that adds up squared distances of ``_ROWS`` query frames to one frame of all lanes.
 
-    Written as vector instructions, since LLVM does not find them itself in a loop over features within
-    which a loop over lanes keeps its sums in registers.
+    It goes over the features from ``start`` to ``stop``; from 0 on, ``out`` is set, else added to. Written
+    as vector instructions, since LLVM does not find them itself in a loop over features within which a
+    loop over lanes keeps its sums in registers.
     """
 
     @intrinsic
-    def squares(context, low, high, row, frame, out):  # type: ignore[no-untyped-def]  # numba's protocol
+    def squares(context, low, high, row, frame, start, stop, out):  # type: ignore[no-untyped-def]
         lanes = lanes_of(str(frame.dtype))
 
-        def code(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
-            number = context.get_data_type(frame.dtype)
-            vector, whole = ir.VectorType(number, lanes), context.get_value_type(types.intp)
+        def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            vector = ir.VectorType(context.get_data_type(frame.dtype), lanes)
+            whole = context.get_value_type(types.intp)
             nowhere = ir.Constant(vector, ir.Undefined)
             first = ir.Constant(ir.VectorType(ir.IntType(32), lanes), [0] * lanes)
             align = frame.dtype.bitwidth // 8
             lows, highs, frames, outs = (
-                context.make_array(kind)(context, builder, value)
-                for kind, value in zip((low, high, frame, out), arguments[:2] + arguments[3:], strict=True)
+                context.make_array(kind)(context, builder, arguments[at])
+                for kind, at in ((low, 0), (high, 1), (frame, 3), (out, 6))
             )
             features = builder.extract_value(lows.shape, 1)
 
-            def spread(pointer, row, feature):  # type: ignore[no-untyped-def]
+            def spread(pointer: Any, row: Any, feature: Any) -> Any:
                 value = builder.load(builder.gep(pointer, [builder.add(builder.mul(row, features), feature)]))
                 one = builder.insert_element(nowhere, value, ir.Constant(ir.IntType(32), 0))
                 return builder.shuffle_vector(one, nowhere, first)
 
             rows = [builder.add(arguments[2], ir.Constant(whole, k)) for k in range(_ROWS)]
             sums = [cgutils.alloca_once(builder, vector) for _ in rows]
-            for total in sums:
-                builder.store(_zeros(vector), total)
-            with cgutils.for_range(builder, features) as loop:
-                theirs = builder.load(_lane_row(builder, frames.data, loop.index, vector), align=align)
+            fresh = builder.icmp_signed("==", arguments[4], ir.Constant(whole, 0))
+            for k, total in zip(rows, sums, strict=True):
+                old = builder.load(_lane_row(builder, outs.data, k, vector), align=align)
+                builder.store(builder.select(fresh, _zeros(vector), old), total)
+            with cgutils.for_range_slice(builder, arguments[4], arguments[5], ir.Constant(whole, 1)) as (
+                f,
+                _,
+            ):
+                theirs = builder.load(_lane_row(builder, frames.data, f, vector), align=align)
                 for k, total in zip(rows, sums, strict=True):
-                    mine = spread(lows.data, k, loop.index)
-                    upper = spread(highs.data, k, loop.index) if box else mine
+                    mine = spread(lows.data, k, f)
+                    upper = spread(highs.data, k, f) if box else mine
                     step = _gap(builder, mine, upper, theirs, box)
                     square = builder.fmul(step, step, flags=["fast"])
                     builder.store(builder.fadd(builder.load(total), square, flags=["fast"]), total)
@@ -118,7 +128,7 @@ def _squares(box: bool) -> Any:
                 builder.store(builder.load(total), _lane_row(builder, outs.data, k, vector), align=align)
             return context.get_dummy_value()
 
-        return types.void(low, high, row, frame, out), code
+        return types.void(low, high, row, frame, start, stop, out), code
 
     return squares
 
@@ -130,32 +140,31 @@ def _steps(root: bool) -> Any:
     """Make the function that writes one cell of the recurrence, all lanes."""
 
     @intrinsic
-    def step(context, costs, cell, before, line, j):  # type: ignore[no-untyped-def]  # numba's protocol
-        def code(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+    def step(context, costs, before, line, j):  # type: ignore[no-untyped-def]
+        def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
             vector = ir.VectorType(context.get_data_type(costs.dtype), lanes_of(str(costs.dtype)))
             align = costs.dtype.bitwidth // 8
-            c, b, own = (
-                context.make_array(kind)(context, builder, value).data
-                for kind, value in zip((costs, before, line), (arguments[0], arguments[2], arguments[3]), strict=True)
+            local, above, own = (
+                context.make_array(kind)(context, builder, arguments[at]).data
+                for kind, at in ((costs, 0), (before, 1), (line, 2))
             )
-            cell, j = arguments[1], arguments[4]
-            after = builder.add(j, ir.Constant(j.type, 1))
+            here = arguments[3]
+            after = builder.add(here, ir.Constant(here.type, 1))
 
-            def load(pointer, row):  # type: ignore[no-untyped-def]
+            def load(pointer: Any, row: Any) -> Any:
                 return builder.load(_lane_row(builder, pointer, row, vector), align=align)
 
-            cost = _most(builder, load(c, cell), _zeros(vector))
+            cost = load(local, here)
             if root:
-                name = f"llvm.sqrt.v{vector.count}f{costs.dtype.bitwidth}"
                 kind = ir.FunctionType(vector, [vector])
-                sqrt = cgutils.get_or_insert_function(builder.module, kind, name)
-                cost = builder.call(sqrt, [cost])
-            best = _least(builder, _least(builder, load(b, j), load(b, after)), load(own, j))
+                name = f"llvm.sqrt.v{vector.count}f{costs.dtype.bitwidth}"
+                cost = builder.call(cgutils.get_or_insert_function(builder.module, kind, name), [cost])
+            best = _least(builder, _least(builder, load(above, here), load(above, after)), load(own, here))
             total = builder.fadd(cost, best, flags=["fast"])  # eq. DTW
             builder.store(total, _lane_row(builder, own, after, vector), align=align)
             return context.get_dummy_value()
 
-        return types.void(costs, cell, before, line, j), code
+        return types.void(costs, before, line, j), code
 
     return step
 
@@ -164,21 +173,21 @@ _step_root, _step_square = _steps(root=True), _steps(root=False)
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
-def _relax(costs, first, before, line, start, stop, at, limits, narrowest, squared):  # type: ignore[no-untyped-def]
-    """Advance the recurrence of DTW by one frame, ``at``, of one side, for all lanes.
+def _relax(costs, before, line, start, stop, at, limits, narrowest, squared):  # type: ignore[no-untyped-def]
+    """Advance the recurrence of DTW by one reference frame, ``at``, for all lanes.
 
-    ``costs[j - first]`` are squared distances to frame ``j`` of the other side; ``line[j + 1]`` becomes
-    the cost of the best path that ends there, ``before`` being the line of frame ``at - 1``. Lane ``l``
-    reaches only ``|j - at| <= limits[l]``; ``narrowest`` is the least of the limits.
+    ``costs[j]`` are squared distances to frame ``j`` of the query; ``line[j + 1]`` becomes the cost of the
+    best path that ends there, ``before`` being the line of frame ``at - 1``. Lane ``l`` reaches only
+    ``|j - at| <= limits[l]``; ``narrowest`` is the least of the limits.
     """
     lanes = _lanes(costs)
     far = costs.dtype.type(FAR)
     line[start] = far
     for j in range(start, stop):
         if squared:
-            _step_square(costs, j - first, before, line, j)
+            _step_square(costs, before, line, j)
         else:
-            _step_root(costs, j - first, before, line, j)
+            _step_root(costs, before, line, j)
         off = abs(j - at)
         if off > narrowest:
             for lane in range(lanes):
@@ -212,7 +221,7 @@ def _warp(query, block, lengths, band, squared, lines, costs, ends):  # type: ig
         costs: Scratch (query rows, lanes).
         ends: The result, one a lane.
     """
-    n, lanes = len(query) - 1, _lanes(block)
+    n, features, lanes = len(query) - 1, query.shape[1], _lanes(block)
     before, line = lines[0], lines[1]
     before[:] = block.dtype.type(FAR)
     before[0] = 0
@@ -220,9 +229,10 @@ def _warp(query, block, lengths, band, squared, lines, costs, ends):  # type: ig
     narrowest, widest = _reach(n, lengths, band, limits)
     for t in range(len(block)):
         start, stop = max(0, t - widest), min(n, t + widest + 1)
-        for i in range(start, stop, _ROWS):
-            _point_squares(query, query, i, block[t], costs)
-        _relax(costs, 0, before, line, start, stop, t, limits, narrowest, squared)
+        for feature in range(0, features, _CHUNK):
+            for i in range(start, stop, _ROWS):
+                _point_squares(query, query, i, block[t], feature, min(feature + _CHUNK, features), costs)
+        _relax(costs, before, line, start, stop, t, limits, narrowest, squared)
         before, line = line, before
         for lane in range(lanes):
             if lengths[lane] == t + 1:
@@ -237,39 +247,7 @@ def warp_all(query, data, starts, lengths, band, squared, ends):  # type: ignore
     costs = np.empty((len(query), lanes), data.dtype)
     for b in range(len(starts) - 1):
         some = slice(b * lanes, (b + 1) * lanes)
-        _warp(
-            query, data[starts[b] : starts[b + 1]], lengths[some], band, squared, lines, costs, ends[some]
-        )
-
-
-@njit(cache=True, fastmath=True, error_model="numpy")
-def warp_strip(squares, row, first, n, lengths, band, squared, lines, ends):  # type: ignore[no-untyped-def]
-    """Warp some rows of a query, from ``row`` on, whose squared distances to one block are known.
-
-    Args:
-        squares: (rows, frames, lanes), about the block's frames from ``first`` on.
-        row: The query's frame of the first row. Rows are handed in one strip after the other.
-        first: Frame of the block.
-        n: Frames of the query.
-        lengths: Frames of each lane's reference.
-        band: As in ``_warp``.
-        squared: As in ``_warp``.
-        lines: State (2, frames of the block + 1, lanes), prepared where ``row`` is 0.
-        ends: The result, written with the query's last row.
-    """
-    lanes, longest = _lanes(squares), lines.shape[1] - 1
-    limits = np.empty(lanes, np.int64)
-    narrowest, widest = _reach(n, lengths, band, limits)
-    if row == 0:
-        lines[0] = squares.dtype.type(FAR)
-        lines[0, 0] = 0
-    for i in range(row, row + len(squares)):
-        start, stop = max(0, i - widest), min(longest, i + widest + 1)
-        before, line = lines[i % 2], lines[(i + 1) % 2]
-        _relax(squares[i - row], first, before, line, start, stop, i, limits, narrowest, squared)
-    if row + len(squares) == n:
-        for lane in range(lanes):
-            ends[lane] = lines[n % 2, lengths[lane], lane]
+        _warp(query, data[starts[b] : starts[b + 1]], lengths[some], band, squared, lines, costs, ends[some])
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")
@@ -303,8 +281,8 @@ def bound_all(query, width, data, starts, lengths, band, squared, ends):  # type
         for t in range(starts[b + 1] - starts[b]):
             start, stop = max(0, t - widest) // width, min(n - 1, t + widest) // width + 1
             for s in range(start, stop, _ROWS):
-                _box_squares(low, high, s, data[starts[b] + t], costs)
-            _relax(costs, 0, before, line, start, stop, t, limits, n + t, squared)
+                _box_squares(low, high, s, data[starts[b] + t], 0, features, costs)
+            _relax(costs, before, line, start, stop, t, limits, n + t, squared)
             before, line = line, before
             for lane in range(lanes):
                 if these[lane] == t + 1:

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from wigwag.distances.dtw import dtw, dtw_by_product
-from wigwag.distances.packed import PackedSequences, check_sequences
+from wigwag.distances.packed import Cost, PackedSequences, check_sequences
 from wigwag.errors import InputError
 
 _SLACK = 1e-3
@@ -20,7 +20,7 @@ _BASIS_FRAMES = 4000
 
 
 class NearestSequences:
-    """Find the references nearest to a query under unconstrained DTW, exactly.
+    """Find the references nearest to a query under DTW, exactly.
 
     An orthonormal projection P never lengthens a vector, and what it leaves over, e = x - P'Px, obeys the
     triangle inequality, so that for any two frames
@@ -41,11 +41,17 @@ class NearestSequences:
         n_projected: Directions kept. As many as there are features: the bound is the distance.
         random_state: Seed of the randomised decomposition that finds the directions. It changes how tight
             the bound is, never the answer.
+        band: Sakoe-Chiba band, frames, as in :func:`wigwag.distances.dtw`; ``None``: no limit.
+        cost: Distance between two frames, ``"euclidean"`` or its square, ``"squared"``.
     """
 
-    def __init__(self, n_projected: int = 64, random_state: int = 0) -> None:
+    def __init__(
+        self, n_projected: int = 64, random_state: int = 0, band: int | None = None, cost: Cost = "euclidean"
+    ) -> None:
         self.n_projected = n_projected
         self.random_state = random_state
+        self.band = band
+        self.cost = cost
 
     def fit(self, sequences: Sequence[Float[np.ndarray, "frames features"]]) -> Self:
         """Learn the projection from the references' frames, and project them.
@@ -105,7 +111,7 @@ class NearestSequences:
 
     def bounds(self, query: Float[np.ndarray, "frames features"]) -> Float[np.ndarray, " references"]:
         """Return a lower bound of the DTW distance to each reference; exact up to float32 rounding."""
-        return self.packed_.distances(self.project(query))
+        return self.packed_.distances(self.project(query), self.band, self.cost)
 
     def nearest(
         self,
@@ -137,8 +143,10 @@ class NearestSequences:
             found.sort()
         # Those that rounding could have put in the wrong order are measured again without cancellation.
         close = [i for d, i in found if d <= found[k - 1][0] * (1 + _SLACK)]
-        exact = sorted((dtw(query, self.sequences_[i]), i) for i in close)[:k]
+        exact = sorted((dtw(query, self.sequences_[i], self.band, self.cost), i) for i in close)[:k]
         return np.array([i for _, i in exact]), np.array([d for d, _ in exact])
 
     def _distance(self, query: np.ndarray, reference: int) -> float:
-        return float(dtw_by_product(query - self.mean_, self.sequences_[reference] - self.mean_))
+        return float(
+            dtw_by_product(query - self.mean_, self.sequences_[reference] - self.mean_, self.band, self.cost)
+        )

@@ -4,29 +4,37 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from wigwag.distances.kernels import bound_all, lanes_of, nearest, warp_all, warp_strip
+from wigwag.distances.kernels import bound_all, lanes_of, nearest, warp_all
 from wigwag.errors import InputError
 
 Cost = Literal["euclidean", "squared"]
 """Distance between two frames: Euclidean, or its square."""
 
-_DIRECT_FEATURES = 96
-"""Up to so many features, local costs are computed from differences, and only those within the band;
-beyond, a matrix product is faster (measured; the two are equal at about this many)."""
+_BOX_FRAMES = 8
+"""Frames of the query that share a box in the lower bound."""
 
-_STRIP = 16
-"""Frames of the query whose local costs within a band come from one matrix product."""
-
-_BOX_FRAMES, _BOX_FRAMES_IN_BAND = 8, 4
-"""Frames of the query that share a box in the lower bound, without and with a band."""
+_BOUND_VARIANCE = 0.85
+"""Share of the references' variance that the directions hold which the lower bound looks at."""
 
 _SLACK = 1e-4
 """Relative room for rounding whenever a bound decides that a reference need not be looked at."""
+
+
+class _Lanes(NamedTuple):
+    """References side by side, as the kernels take them."""
+
+    order: Int[np.ndarray, " references"]
+    """Which reference stands in which lane."""
+    lengths: Int[np.ndarray, " lanes"]
+    """Frames of each lane's reference."""
+    starts: Int[np.ndarray, " blocks+1"]
+    """Where each block begins in ``data``."""
+    data: Float[np.ndarray, "frames features lanes"]
 
 
 class PackedSequences:
@@ -34,9 +42,8 @@ class PackedSequences:
 
     Sequences of similar length form blocks of 32 (float64: 16). Within a block, a feature of a frame of
     all its sequences stands side by side, so that the recurrence of dynamic time warping, which cannot be
-    vectorised along one pair, is vectorised across 32. Up to 96 features, local costs are sums over
-    squared differences and nothing cancels. Beyond, they come from matrix products,
-    ``|a - b|^2 = |a|^2 + |b|^2 - 2 a.b``, about the references' mean, which keeps the cancellation small.
+    vectorised along one pair, is vectorised across 32. Local costs are sums over squared differences, so
+    that nothing cancels, and with a band only those within it are computed.
 
     Args:
         sequences: One array (frames, features) a reference; lengths may differ.
@@ -92,8 +99,6 @@ class PackedSequences:
             InputError: If the query has other features, no frame or a NaN, or the band is negative.
         """
         padded, width, squared = self._checked(query, band, cost)
-        if self.n_features > _DIRECT_FEATURES:
-            return self._by_product(padded[:-1], width, squared)
         order, lengths, starts, data = self._direct
         ends = np.empty(len(lengths), dtype=self._dtype)
         warp_all(padded, data, starts, lengths, width, squared, ends)
@@ -111,18 +116,22 @@ class PackedSequences:
 
         Exact in real numbers, and rounding is taken off. The arguments are those of :meth:`distances`.
         """
-        padded, width, squared = self._checked(query, band, cost)
-        order, lengths, starts, data = self._narrow
+        return self._bounds(*self._checked(query, band, cost))
+
+    def _bounds(
+        self, padded: Float[np.ndarray, "frames+1 features"], width: int, squared: bool
+    ) -> Float[np.ndarray, " references"]:
+        basis, (order, lengths, starts, data) = self._narrow
         ends = np.empty(len(lengths), dtype=np.float32)
-        box = _BOX_FRAMES if band is None else _BOX_FRAMES_IN_BAND
-        bound_all(padded.astype(np.float32), box, data, starts, lengths, width, squared, ends)
+        projected = (padded @ basis).astype(np.float32)
+        bound_all(projected, _BOX_FRAMES, data, starts, lengths, width, squared, ends)
         result = np.empty(len(self))
         result[order] = ends[: len(order)]
         # A difference of two float32 numbers is off by their size times 2^-24; there is one a cell.
-        scale = self._largest + float(np.abs(padded).max()) * np.sqrt(self.n_features)
-        steps = len(query) + self._lengths
-        room = steps * 2.0**-22 * scale * (4 * scale if squared else 1.0)
-        return np.maximum(result * (1 - _SLACK) - room, 0.0)
+        scale = self._largest + float(np.abs(padded).max()) * self.n_features**0.5
+        steps = len(padded) + self._lengths
+        room = steps * (2.0**-22 * scale * (4 * scale if squared else 1.0))
+        return np.asarray(np.maximum(result * (1 - _SLACK) - room, 0.0))
 
     def nearest(
         self,
@@ -151,16 +160,13 @@ class PackedSequences:
         if k < 1:
             raise InputError(f"k must be 1 or more, but got {k}.")
         padded, width, squared = self._checked(query, band, cost)
-        if self.n_features > _DIRECT_FEATURES:
-            bounds = np.asarray(self.distances(query, band, cost), dtype=np.float64)
-        else:
-            bounds = self.bounds(query, band, cost)
+        bounds = self._bounds(padded, width, squared)
         order = np.argsort(bounds, kind="stable")
         if allowed is not None:
             order = order[allowed[order]]
         k = min(k, len(order))
-        if self.n_features > _DIRECT_FEATURES or k == 0:
-            return order[:k], bounds[order[:k]]
+        if k == 0:
+            return order, np.empty(0)
         found, distances, _ = nearest(padded, self._flat, self._offsets, order, bounds, width, squared, k)
         return found, distances
 
@@ -179,73 +185,41 @@ class PackedSequences:
         return padded, width_of(band), is_squared(cost)
 
     @cached_property
-    def _direct(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        return self._interleave(self._dtype)
+    def _direct(self) -> _Lanes:
+        return self._interleave(self._flat)
 
     @cached_property
-    def _narrow(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """The same in float32, which is enough for a bound and half as much to read."""
-        return self._direct if self._dtype == np.float32 else self._interleave(np.dtype(np.float32))
+    def _narrow(self) -> tuple[Float[np.ndarray, "features directions"], _Lanes]:
+        """Few directions that hold most of the variance, and the references along them in float32.
 
-    def _interleave(self, dtype: np.dtype) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Return the references' order, lengths by lane, where blocks start, and data (frames, features, lanes).
-
-        Shorter sequences of a block are padded by their last frame and read out before it, missing ones
-        by the block's last.
+        An orthonormal projection never lengthens a difference, so that a bound of the projected is one of
+        the whole; and along principal directions the boxes are small.
         """
-        lanes = lanes_of(dtype)
-        order = np.argsort(self._lengths, kind="stable")
-        members = np.append(order, np.repeat(order[-1:], -len(order) % lanes)).reshape(-1, lanes)
+        flat = self._flat.astype(np.float64)
+        variances, directions = np.linalg.eigh(flat.T @ flat)
+        shares = np.cumsum(variances[::-1]) / max(float(variances.sum()), 1e-300)
+        keep = min(int(np.searchsorted(shares, _BOUND_VARIANCE)) + 1, self.n_features)
+        basis = np.ascontiguousarray(directions[:, ::-1][:, :keep])
+        return basis.astype(self._dtype), self._interleave((flat @ basis).astype(np.float32))
+
+    def _interleave(self, flat: Float[np.ndarray, "all_frames features"]) -> _Lanes:
+        """Lay blocks of references side by side."""
+        order, members = self._grouped(lanes_of(flat.dtype))
         starts = np.concatenate([[0], np.cumsum(self._lengths[members].max(axis=1))])
-        data = np.empty((starts[-1], self.n_features, lanes), dtype=dtype)
-        for block, first in zip(members, starts[:-1], strict=True):
-            frames = np.arange(self._lengths[block].max())[:, None]
-            rows = self._offsets[block] + np.minimum(frames, self._lengths[block] - 1)
-            data[first : first + len(frames)] = self._flat[rows].transpose(0, 2, 1)
-        return order, self._lengths[members].ravel(), starts, data
+        data = np.empty((starts[-1], flat.shape[1], members.shape[1]), dtype=flat.dtype)
+        for block, start, stop in zip(members, starts, starts[1:], strict=False):
+            data[start:stop] = flat[self._rows(block)].transpose(0, 2, 1)
+        return _Lanes(order, self._lengths[members].ravel(), starts, data)
 
-    @cached_property
-    def _blocks(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Members, lengths by lane, and a matrix (features + 2, frames * lanes) of each block.
-
-        Two more rows turn the product with (-2a, |a|^2, 1) into the squared distance.
-        """
-        lanes, blocks = lanes_of(self._dtype), []
+    def _grouped(self, lanes: int) -> tuple[Int[np.ndarray, " references"], Int[np.ndarray, "blocks lanes"]]:
+        """Order references by length and put them into blocks; the last is filled up with the longest."""
         order = np.argsort(self._lengths, kind="stable")
-        for at in range(0, len(order), lanes):
-            members = order[at : at + lanes]
-            lengths = np.append(self._lengths[members], [self._lengths[members[-1]]] * (lanes - len(members)))
-            block = np.zeros((lengths.max(), lanes, self.n_features + 2), dtype=self._dtype)
-            for lane, i in enumerate(members):
-                block[: lengths[lane], lane, :-2] = self._flat[self._offsets[i] : self._offsets[i + 1]]
-                block[lengths[lane] :, lane, :-2] = self._flat[self._offsets[i + 1] - 1]
-            block[:, :, -2] = 1.0
-            block[:, :, -1] = np.einsum("tlf,tlf->tl", block[:, :, :-2], block[:, :, :-2])
-            blocks.append((members, lengths, np.ascontiguousarray(block.reshape(-1, self.n_features + 2).T)))
-        return blocks
+        return order, np.append(order, np.repeat(order[-1:], -len(order) % lanes)).reshape(-1, lanes)
 
-    def _by_product(
-        self, centered: Float[np.ndarray, "frames features"], width: int, squared: bool
-    ) -> Float[np.ndarray, " references"]:
-        """Compute distances with local costs from matrix products, strip by strip along the band."""
-        n, lanes = len(centered), lanes_of(self._dtype)
-        left = np.empty((n, self.n_features + 2), dtype=self._dtype)
-        np.multiply(centered, -2, out=left[:, :-2])
-        left[:, -2] = np.einsum("tf,tf->t", centered, centered)
-        left[:, -1] = 1.0
-        result, ends = np.empty(len(self), dtype=self._dtype), np.empty(lanes, dtype=self._dtype)
-        for members, lengths, block in self._blocks:
-            longest = block.shape[1] // lanes
-            widest = max(width, int(np.abs(lengths - n).max()))
-            rows = _STRIP if 2 * widest + _STRIP < longest else n
-            lines = np.empty((2, longest + 1, lanes), dtype=self._dtype)
-            for row in range(0, n, rows):
-                some = left[row : row + rows]
-                start, stop = max(0, row - widest), min(longest, row + len(some) + widest)
-                squares = (some @ block[:, start * lanes : stop * lanes]).reshape(len(some), -1, lanes)
-                warp_strip(squares, row, start, n, lengths, width, squared, lines, ends)
-            result[members] = ends[: len(members)]
-        return result
+    def _rows(self, members: Int[np.ndarray, " lanes"]) -> Int[np.ndarray, "frames lanes"]:
+        """Find the members' frames in ``_flat``; shorter ones are padded by their last frame."""
+        frames = np.arange(self._lengths[members].max())[:, None]
+        return np.asarray(self._offsets[members] + np.minimum(frames, self._lengths[members] - 1))
 
 
 def width_of(band: int | None) -> int:
