@@ -8,6 +8,9 @@ from numba import njit
 
 from wigwag.errors import InputError
 
+_LANES = 16
+"""Groups warped together."""
+
 
 def dtw_each(
     a: Float[np.ndarray, "frames_a coordinates groups"], b: Float[np.ndarray, "frames_b coordinates groups"]
@@ -25,7 +28,7 @@ def dtw_each(
         InputError: If an array is not 3-D, is empty, or coordinates or groups do not match.
     """
     _same(a, b)
-    return np.asarray(_each(np.ascontiguousarray(a), np.ascontiguousarray(b)))
+    return np.asarray(_each(_padded(a), _padded(b))[: a.shape[2]])
 
 
 def dtw_weighted(
@@ -58,30 +61,45 @@ def _same(a: np.ndarray, b: np.ndarray) -> None:
         )
 
 
+def _padded(a: np.ndarray) -> np.ndarray:
+    """Add groups of zeros up to a multiple of the lanes."""
+    groups = a.shape[2]
+    result = np.zeros((*a.shape[:2], groups + -groups % _LANES), a.dtype)
+    result[:, :, :groups] = a
+    return result
+
+
 @njit(cache=True, fastmath=True)
 def _each(a, b):  # type: ignore[no-untyped-def]  # compiled: numba infers the types
-    """Groups stand side by side, so that every step is taken for all of them at once."""
-    n, coordinates, groups = a.shape
+    """16 groups stand side by side, so that every step is taken for all of them at once.
+
+    That number is a constant, not a parameter: only then do the loops become vector instructions.
+    """
+    n, coordinates, lanes = a.shape
     m = b.shape[0]
     far, zero = a.dtype.type(1e30), a.dtype.type(0)
-    before = np.full((m + 1, groups), far, a.dtype)
-    row = np.full((m + 1, groups), far, a.dtype)
-    squares = np.empty(groups, a.dtype)
-    before[0] = zero
-    for i in range(n):
-        for j in range(m):
-            squares[:] = zero
-            for c in range(coordinates):
-                for g in range(groups):
-                    step = a[i, c, g] - b[j, c, g]
-                    squares[g] += step * step
-            for g in range(groups):
-                best = min(before[j, g], before[j + 1, g], row[j, g])
-                row[j + 1, g] = np.sqrt(squares[g]) + best  # eq. DTW
-        before, row = row, before
-        row[0] = far
-        before[0] = far
-    return before[m].copy()
+    result = np.empty(lanes, a.dtype)
+    before = np.empty((m + 1, _LANES), a.dtype)
+    row = np.empty((m + 1, _LANES), a.dtype)
+    squares = np.empty(_LANES, a.dtype)
+    for first in range(0, lanes, _LANES):
+        before[:] = far
+        before[0] = zero
+        for i in range(n):
+            row[0] = far
+            for j in range(m):
+                for g in range(_LANES):
+                    squares[g] = zero
+                for c in range(coordinates):
+                    for g in range(_LANES):
+                        step = a[i, c, first + g] - b[j, c, first + g]
+                        squares[g] += step * step
+                for g in range(_LANES):
+                    best = min(before[j, g], before[j + 1, g], row[j, g])
+                    row[j + 1, g] = np.sqrt(squares[g]) + best  # eq. DTW
+            before, row = row, before
+        result[first : first + _LANES] = before[m]
+    return result
 
 
 @njit(cache=True, fastmath=True)
