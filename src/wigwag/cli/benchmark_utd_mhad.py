@@ -151,14 +151,14 @@ def _table(rows: list[dict[str, Any]]) -> Table:
     table = Table(
         title="UTD-MHAD: accuracy and macro F1 in %, milliseconds a case from raw clip to label, one thread",
         caption="paper: Chaudhary et al. 2024, random split, Intel NUC. ±: between splits (random) or "
-        "between people.",
+        "between people. ECE: expected calibration error, %.",
         box=SIMPLE_HEAD,
         padding=(0, 1, 0, 0),
     )
     for column in ("recogniser", "protocol", "classes"):
         table.add_column(column, no_wrap=True)
     for column in (
-        "train / test", "accuracy", "95 %", "paper", "F1", "fit s", "ms", "p95", "paper ms",
+        "train / test", "accuracy", "95 %", "paper", "F1", "ECE", "fit s", "ms", "p95", "paper ms",
     ):  # fmt: skip
         table.add_column(column, justify="right", no_wrap=True)
     for row in rows:
@@ -173,6 +173,7 @@ def _table(rows: list[dict[str, Any]]) -> Table:
             f"{100 * low:.1f}-{100 * high:.1f}",
             f"{paper[0]:.2f}" if paper else "",
             f"{100 * row['macro_f1_mean']:.2f}",
+            "" if row["ece"] is None else f"{100 * row['ece']:.1f}",
             f"{row['fit_s']:.1f}",
             f"{row['ms_per_case_median']:.1f}",
             f"{row['ms_per_case_p95']:.1f}",

@@ -43,7 +43,7 @@ class FewShot:
     draws: int
     cases: Cases = field(default_factory=Cases)
     n_taught: list[int] = field(default_factory=list)
-    """Clips taught, a fit."""
+    """Clips taught, a test person and draw."""
     enrol_s: list[float] = field(default_factory=list)
     """Seconds of each ``enrol``; empty if the recogniser has none and was fitted anew."""
 
@@ -159,11 +159,13 @@ class _Teacher:
     def teach(self, seed: int, own: list[Clip]) -> Recognizer:
         """Return a recogniser taught as the setting says, with the test person's own examples."""
         result = self._result
-        if result.setting == "own":
-            return self._fit(seed, own)
         if result.setting == "others":
             chosen = draw(self._others, result.examples, seed)
+            result.n_taught.append(len(chosen))
             return self._once(seed, [self._others[i] for i in chosen])
+        result.n_taught.append(len(own) + (0 if result.setting == "own" else len(self._others)))
+        if result.setting == "own":
+            return self._fit(seed, own)
         if not hasattr(maker_of(result.recognizer)(seed), "enrol"):
             return self._fit(seed, self._others + own)
         return self._beside(self._once(0, self._others), own)
@@ -178,7 +180,6 @@ class _Teacher:
             raise InputError("There is no example to teach: no clip of the people to learn from.")
         recognizer = maker_of(self._result.recognizer)(seed)
         recognizer.fit(clips)
-        self._result.n_taught.append(len(clips))
         return recognizer
 
     def _beside(self, fitted: Recognizer, own: list[Clip]) -> Recognizer:
@@ -189,7 +190,6 @@ class _Teacher:
             start = time.perf_counter()
             enrolled.enrol(label, of_label)
             self._result.enrol_s.append(time.perf_counter() - start)
-        self._result.n_taught.append(len(self._others) + len(own))
         taught: Recognizer = enrolled
         return taught
 
