@@ -7,6 +7,7 @@ from typing import Annotated
 
 import tyro
 
+from wigwag.cli.benchmark_dtw import DtwBenchmark
 from wigwag.cli.benchmark_few_shot import FewShotBenchmark
 from wigwag.cli.benchmark_lift import LiftBenchmark
 from wigwag.cli.benchmark_reject import RejectBenchmark
@@ -22,6 +23,7 @@ class Benchmark:
         tyro.conf.OmitSubcommandPrefixes[
             Annotated[UtdMhadBenchmark, tyro.conf.subcommand("utd-mhad")]
             | Annotated[LiftBenchmark, tyro.conf.subcommand("lift")]
+            | Annotated[DtwBenchmark, tyro.conf.subcommand("dtw")]
             | Annotated[FewShotBenchmark, tyro.conf.subcommand("few-shot")]
             | Annotated[RejectBenchmark, tyro.conf.subcommand("reject")]
             | Annotated[TransferBenchmark, tyro.conf.subcommand("transfer")]

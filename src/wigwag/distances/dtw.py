@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Float
-from numba import njit
 
+from wigwag.distances.kernels import warp_pair, warp_squares
 from wigwag.distances.packed import Cost, PackedSequences, is_squared, width_of
 from wigwag.errors import InputError
 
@@ -45,7 +45,7 @@ def dtw(
         raise InputError(
             f"dtw needs sequences of the same features, but got {first.shape[1]} and {second.shape[1]}."
         )
-    return float(_dtw(first, second, width_of(band), is_squared(cost)))
+    return float(warp_pair(first, second, width_of(band), is_squared(cost)))
 
 
 def dtw_pairwise(
@@ -79,27 +79,6 @@ def _sequence(values: np.ndarray, name: str) -> np.ndarray:
     return array if array.dtype in (np.float32, np.float64) else array.astype(np.float64)
 
 
-@njit(cache=True, fastmath=True)
-def _dtw(a, b, band, squared):  # type: ignore[no-untyped-def]  # compiled: numba infers the types
-    """Distance from differences, without a matrix product: nothing cancels."""
-    n, m = len(a), len(b)
-    width = max(band, abs(n - m))
-    before = np.full(m + 1, 1e300)
-    row = np.empty(m + 1)
-    before[0] = 0.0
-    for i in range(n):
-        row[:] = 1e300
-        for j in range(max(0, i - width), min(m, i + width + 1)):
-            square = 0.0
-            for f in range(a.shape[1]):
-                step = a[i, f] - b[j, f]
-                square += step * step
-            cost = square if squared else np.sqrt(square)
-            row[j + 1] = cost + min(before[j], before[j + 1], row[j])  # eq. DTW
-        before, row = row, before
-    return before[m]
-
-
 def dtw_by_product(
     a: Float[np.ndarray, "frames_a features"],
     b: Float[np.ndarray, "frames_b features"],
@@ -115,22 +94,4 @@ def dtw_by_product(
     squares *= -2
     squares += np.einsum("tf,tf->t", a, a)[:, None]
     squares += np.einsum("tf,tf->t", b, b)
-    return float(_dtw_of_squares(squares, width_of(band), is_squared(cost)))
-
-
-@njit(cache=True, fastmath=True)
-def _dtw_of_squares(squares, band, squared):  # type: ignore[no-untyped-def]  # compiled
-    """Run the DTW recurrence over squared local costs."""
-    n, m = squares.shape
-    width = max(band, abs(n - m))
-    before = np.full(m + 1, 1e300)
-    row = np.empty(m + 1)
-    before[0] = 0.0
-    for i in range(n):
-        row[:] = 1e300
-        for j in range(max(0, i - width), min(m, i + width + 1)):
-            square = max(squares[i, j], 0.0)
-            cost = square if squared else np.sqrt(square)
-            row[j + 1] = cost + min(before[j], before[j + 1], row[j])
-        before, row = row, before
-    return before[m]
+    return float(warp_squares(squares, width_of(band), is_squared(cost)))

@@ -304,7 +304,7 @@ def nearest(query, flat, offsets, order, bounds, band, squared, k):  # type: ign
         k: How many; not more than ``order`` holds.
 
     Returns:
-        The k nearest, nearest first; their distances; and how many were computed.
+        Distances of the first so many of ``order``: those that had to be computed.
     """
     lanes, features = _lanes(flat), flat.shape[1]
     longest = 1
@@ -314,12 +314,12 @@ def nearest(query, flat, offsets, order, bounds, band, squared, k):  # type: ign
     costs = np.empty((len(query), lanes), flat.dtype)
     block = np.zeros((longest, features, lanes), flat.dtype)
     lengths, ends = np.ones(lanes, np.int64), np.zeros(lanes, flat.dtype)
-    found, distances = np.full(k, -1, np.int64), np.full(k, FAR)
+    best = np.full(k, FAR)  # least first
+    computed = np.empty(len(order), flat.dtype)
     at, some = 0, min(k + _FIRST_LOOK, lanes)
-    while at < len(order) and bounds[order[at]] <= distances[k - 1]:
-        many = 0
-        frames = 1
-        while many < some and at + many < len(order) and bounds[order[at + many]] <= distances[k - 1]:
+    while at < len(order) and bounds[order[at]] <= best[k - 1]:
+        many, frames = 0, 1
+        while many < some and at + many < len(order) and bounds[order[at + many]] <= best[k - 1]:
             first, stop = offsets[order[at + many]], offsets[order[at + many] + 1]
             for t in range(stop - first):
                 for f in range(features):
@@ -330,13 +330,52 @@ def nearest(query, flat, offsets, order, bounds, band, squared, k):  # type: ign
         lengths[many:] = lengths[0]
         _warp(query, block[:frames], lengths, band, squared, lines, costs, ends)
         for lane in range(many):
+            computed[at + lane] = ends[lane]
             place = k
-            while place > 0 and ends[lane] < distances[place - 1]:
+            while place > 0 and ends[lane] < best[place - 1]:
                 place -= 1
             if place < k:
-                found[place + 1 :] = found[place:-1].copy()
-                distances[place + 1 :] = distances[place:-1].copy()
-                found[place], distances[place] = order[at + lane], ends[lane]
+                best[place + 1 :] = best[place:-1].copy()
+                best[place] = ends[lane]
         at += many
         some = lanes
-    return found, distances, at
+    return computed[:at]
+
+
+@njit(cache=True, fastmath=True)
+def warp_pair(a, b, band, squared):  # type: ignore[no-untyped-def]
+    """Return the DTW distance of one pair, in float64."""
+    n, m = len(a), len(b)
+    width = max(band, abs(n - m))
+    before = np.full(m + 1, 1e300)
+    row = np.empty(m + 1)
+    before[0] = 0.0
+    for i in range(n):
+        row[:] = 1e300
+        for j in range(max(0, i - width), min(m, i + width + 1)):
+            square = 0.0
+            for f in range(a.shape[1]):
+                step = a[i, f] - b[j, f]
+                square += step * step
+            cost = square if squared else np.sqrt(square)
+            row[j + 1] = cost + min(before[j], before[j + 1], row[j])  # eq. DTW
+        before, row = row, before
+    return before[m]
+
+
+@njit(cache=True, fastmath=True)
+def warp_squares(squares, band, squared):  # type: ignore[no-untyped-def]
+    """Return the DTW distance of one pair whose squared local costs are known."""
+    n, m = squares.shape
+    width = max(band, abs(n - m))
+    before = np.full(m + 1, 1e300)
+    row = np.empty(m + 1)
+    before[0] = 0.0
+    for i in range(n):
+        row[:] = 1e300
+        for j in range(max(0, i - width), min(m, i + width + 1)):
+            square = max(squares[i, j], 0.0)
+            cost = square if squared else np.sqrt(square)
+            row[j + 1] = cost + min(before[j], before[j + 1], row[j])
+        before, row = row, before
+    return before[m]

@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from wigwag.distances.kernels import bound_all, lanes_of, nearest, warp_all
+from wigwag.distances.kernels import bound_all, lanes_of, nearest, warp_all, warp_pair
 from wigwag.errors import InputError
 
 Cost = Literal["euclidean", "squared"]
@@ -18,7 +18,7 @@ Cost = Literal["euclidean", "squared"]
 _BOX_FRAMES = 8
 """Frames of the query that share a box in the lower bound."""
 
-_BOUND_VARIANCE = 0.85
+_BOUND_VARIANCE = 0.9
 """Share of the references' variance that the directions hold which the lower bound looks at."""
 
 _SLACK = 1e-4
@@ -127,11 +127,7 @@ class PackedSequences:
         bound_all(projected, _BOX_FRAMES, data, starts, lengths, width, squared, ends)
         result = np.empty(len(self))
         result[order] = ends[: len(order)]
-        # A difference of two float32 numbers is off by their size times 2^-24; there is one a cell.
-        scale = self._largest + float(np.abs(padded).max()) * self.n_features**0.5
-        steps = len(padded) + self._lengths
-        room = steps * (2.0**-22 * scale * (4 * scale if squared else 1.0))
-        return np.asarray(np.maximum(result * (1 - _SLACK) - room, 0.0))
+        return np.asarray(np.maximum(result * (1 - _SLACK) - self._room(padded, squared), 0.0))
 
     def nearest(
         self,
@@ -167,8 +163,30 @@ class PackedSequences:
         k = min(k, len(order))
         if k == 0:
             return order, np.empty(0)
-        found, distances, _ = nearest(padded, self._flat, self._offsets, order, bounds, width, squared, k)
-        return found, distances
+        narrow = padded.astype(np.float32, copy=False)
+        found = nearest(narrow, self._flat32, self._offsets, order, bounds, width, squared, k)
+        if self._dtype == np.float32:
+            first = np.argsort(found, kind="stable")[:k]
+            return order[first], found[first].astype(np.float64)
+        # Float32 has found who may be among the nearest; few are measured again.
+        limit = np.partition(found, k - 1)[k - 1] * (1 + _SLACK) + self._room(padded, squared).max()
+        pairs = sorted(
+            (self._exact(padded, i, width, squared), i) for i in order[: len(found)][found <= limit]
+        )
+        return np.array([i for _, i in pairs[:k]]), np.array([d for d, _ in pairs[:k]])
+
+    def _exact(self, padded: np.ndarray, reference: int, width: int, squared: bool) -> float:
+        frames = self._flat[self._offsets[reference] : self._offsets[reference + 1]]
+        return float(warp_pair(padded[:-1], frames, width, squared))
+
+    def _room(self, padded: np.ndarray, squared: bool) -> Float[np.ndarray, " references"]:
+        """Return how far float32 may be off in a DTW distance.
+
+        A difference of two numbers is off by their size times 2^-24, and there is one a cell of the path.
+        """
+        scale = self._largest + float(np.abs(padded).max()) * self.n_features**0.5
+        steps = len(padded) + self._lengths
+        return np.asarray(steps * (2.0**-22 * scale * (4 * scale if squared else 1.0)))
 
     def _checked(
         self, query: np.ndarray, band: int | None, cost: str
@@ -187,6 +205,10 @@ class PackedSequences:
     @cached_property
     def _direct(self) -> _Lanes:
         return self._interleave(self._flat)
+
+    @cached_property
+    def _flat32(self) -> Float[np.ndarray, "all_frames features"]:
+        return self._flat.astype(np.float32, copy=False)
 
     @cached_property
     def _narrow(self) -> tuple[Float[np.ndarray, "features directions"], _Lanes]:
