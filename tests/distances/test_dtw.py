@@ -12,7 +12,7 @@ from wigwag.distances.dtw import dtw_by_product
 from wigwag.errors import InputError
 
 
-def brute(a, b, band=None):
+def brute(a, b, band=None, power=1):
     """The recurrence as the textbook has it, one cell at a time."""
     n, m = len(a), len(b)
     width = max(n, m) if band is None else max(band, abs(n - m))
@@ -21,7 +21,7 @@ def brute(a, b, band=None):
         for j in range(m):
             if abs(i - j) <= width:
                 before = [table.get(cell, np.inf) for cell in ((i - 1, j - 1), (i - 1, j), (i, j - 1))]
-                table[i, j] = float(np.linalg.norm(a[i] - b[j])) + min(before)
+                table[i, j] = float(np.linalg.norm(a[i] - b[j])) ** power + min(before)
     return table[n - 1, m - 1]
 
 
@@ -38,6 +38,7 @@ def sequences(seed, count=2, features=3, longest=12, dtype="float64"):
 def test_is_the_textbook_recurrence(seed, band):
     a, b = sequences(seed)
     assert dtw(a, b, band) == pytest.approx(brute(a, b, band), rel=1e-12)
+    assert dtw(a, b, band, "squared") == pytest.approx(brute(a, b, band, power=2), rel=1e-12)
 
 
 @given(seed=st.integers(0, 2**31), band=st.none() | st.integers(0, 12))
@@ -71,11 +72,15 @@ def test_pairwise_agrees_with_one_at_a_time(seed, band, dtype):
     np.testing.assert_allclose(itself, itself.T, rtol=1e-3, atol=0.02)
 
 
-@given(seed=st.integers(0, 2**31))
+@given(
+    seed=st.integers(0, 2**31),
+    band=st.none() | st.integers(0, 12),
+    cost=st.sampled_from(["euclidean", "squared"]),
+)
 @settings(max_examples=20, deadline=None)
-def test_by_product_agrees(seed):
+def test_by_product_agrees(seed, band, cost):
     a, b = sequences(seed)
-    assert dtw_by_product(a, b) == pytest.approx(dtw(a, b), rel=1e-9)
+    assert dtw_by_product(a, b, band, cost) == pytest.approx(dtw(a, b, band, cost), rel=1e-9)
 
 
 def test_one_value_worked_by_hand():
@@ -95,6 +100,8 @@ def test_one_value_worked_by_hand():
 def test_faults(a, b, band, message):
     with pytest.raises(InputError, match=message):
         dtw(a, b, band)
+    with pytest.raises(InputError, match="'euclidean' or 'squared', but got 'cosine'"):
+        dtw(np.zeros((3, 1)), np.zeros((3, 1)), cost="cosine")
 
 
 def test_pairwise_faults():

@@ -32,13 +32,15 @@ def references(seed, count=50, features=20, dtype="float32", low_rank=True):
     directions=st.integers(1, 25),
     low_rank=st.booleans(),
     dtype=st.sampled_from(["float32", "float64"]),
+    band=st.none() | st.integers(0, 8),
+    cost=st.sampled_from(["euclidean", "squared"]),
 )
 @settings(max_examples=60, deadline=None)
-def test_finds_what_brute_force_finds(seed, k, directions, low_rank, dtype):
+def test_finds_what_brute_force_finds(*, seed, k, directions, low_rank, dtype, band, cost):
     *known, query = references(seed, 51, dtype=dtype, low_rank=low_rank)
-    index = NearestSequences(directions).fit(known)
+    index = NearestSequences(directions, band=band, cost=cost).fit(known)
     found, distances = index.nearest(query, k)
-    brute = np.array([dtw(query, s) for s in known])
+    brute = np.array([dtw(query, s, band, cost) for s in known])
     np.testing.assert_allclose(distances, np.sort(brute)[:k], rtol=1e-6)
     np.testing.assert_allclose(brute[found], distances, rtol=1e-6)
     assert len(set(found.tolist())) == k

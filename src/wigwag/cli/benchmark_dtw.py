@@ -75,7 +75,7 @@ def _table(rows: list[dict[str, Any]]) -> Table:
     table = Table(
         title=f"DTW of one query against {rows[0]['references']} references of {rows[0]['frames']} frames "
         f"({inputs}), one thread, squared local cost",
-        caption="times ours: the library's time over wigwag's in float32, and in float64, in which the others "
+        caption="times ours: the library's time over wigwag's in float32, and in float64, in which others "
         "compute. off: largest relative difference from the plain recurrence.",
         box=SIMPLE_HEAD,
     )

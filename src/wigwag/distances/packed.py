@@ -57,7 +57,7 @@ class PackedSequences:
         >>> rising, falling = np.arange(4.0)[:, None], np.arange(4.0)[::-1, None]
         >>> packed = PackedSequences([rising, falling])
         >>> packed.distances(rising + 1).tolist()
-        [2.0, 9.0]
+        [2.0, 8.0]
         >>> packed.nearest(rising + 1)[0].tolist()
         [0]
     """
@@ -272,7 +272,8 @@ def check_sequences(sequences: Sequence[np.ndarray]) -> int:
     """Count all frames.
 
     Raises:
-        InputError: Unless all are (frames, features) with the same features and a frame at least.
+        InputError: Unless all are (frames, features) with the same features, a frame at least, and
+            finite numbers only.
     """
     if len(sequences) == 0:
         raise InputError("DTW needs at least one sequence, but got an empty list.")
@@ -282,6 +283,11 @@ def check_sequences(sequences: Sequence[np.ndarray]) -> int:
             raise InputError(
                 f"Sequence {i} must have shape (frames, {features}) with 1 frame or more, "
                 f"but got {np.shape(sequence)}."
+            )
+        if not (finite := np.isfinite(sequence).all(axis=1)).all():
+            raise InputError(
+                f"Sequence {i} holds NaN or infinity, first in frame {int(np.argmin(finite))}. "
+                "Fill or drop such frames."
             )
         frames += len(sequence)
     return frames
