@@ -30,8 +30,9 @@ class FollowConfig:
     bearing_gain_1_s: float = 3.0
     distance_gain_1_s: float = 1.2
     altitude_gain_1_s: float = 1.0
-    max_acceleration_m_s2: float = 2.5
-    """The velocity asked for changes no faster than this."""
+    max_acceleration_m_s2: float = 1.2
+    """The velocity asked for changes no faster than this. To accelerate is to tilt, and to tilt a camera that
+    is fixed to the drone: answering an operator's lunge with 2.5 m/s2 puts them out of the picture."""
 
 
 class FollowLaw:
