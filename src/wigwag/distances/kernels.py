@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
+from llvmlite.binding import get_host_cpu_features
 from numba import njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic
@@ -25,8 +26,11 @@ _ROW_BYTES = 128
 _ROWS = 2
 """Query frames that meet a reference's frame at once, so that it is loaded once for both."""
 
-_CHUNK = 256
-"""Features of a frame, all lanes, that stay in the first cache (32 KiB) while the query's frames pass by."""
+_MORE_ROWS = 4 if get_host_cpu_features().get("avx512f") else _ROWS
+"""As many again where there are 32 registers of 64 bytes to hold the sums."""
+
+_CHUNK = 128
+"""Features of a frame, all lanes, that stay in the first cache (16 KiB) while the query's frames pass by."""
 
 _FIRST_LOOK = 3
 """References beyond k that are looked at first; what they give decides how many follow."""
@@ -78,8 +82,8 @@ def _gap(builder: Any, low: Any, high: Any, theirs: Any, box: bool) -> Any:
     return _most(builder, _most(builder, below, above), _zeros(below.type))
 
 
-def _squares(box: bool) -> Any:
-    """Make the function that adds up squared distances of ``_ROWS`` query frames to one frame of all lanes.
+def _squares(box: bool, rows: int) -> Any:
+    """Make the function that adds up squared distances of ``rows`` query frames to one frame of all lanes.
 
     It goes over the features from ``start`` to ``stop``; from 0 on, ``out`` is set, else added to. Written
     as vector instructions, since LLVM does not find them itself in a loop over features within which a
@@ -107,10 +111,10 @@ def _squares(box: bool) -> Any:
                 one = builder.insert_element(nowhere, value, ir.Constant(ir.IntType(32), 0))
                 return builder.shuffle_vector(one, nowhere, first)
 
-            rows = [builder.add(arguments[2], ir.Constant(whole, k)) for k in range(_ROWS)]
-            sums = [cgutils.alloca_once(builder, vector) for _ in rows]
+            some = [builder.add(arguments[2], ir.Constant(whole, k)) for k in range(rows)]
+            sums = [cgutils.alloca_once(builder, vector) for _ in some]
             fresh = builder.icmp_signed("==", arguments[4], ir.Constant(whole, 0))
-            for k, total in zip(rows, sums, strict=True):
+            for k, total in zip(some, sums, strict=True):
                 old = builder.load(_lane_row(builder, outs.data, k, vector), align=align)
                 builder.store(builder.select(fresh, _zeros(vector), old), total)
             with cgutils.for_range_slice(builder, arguments[4], arguments[5], ir.Constant(whole, 1)) as (
@@ -118,13 +122,13 @@ def _squares(box: bool) -> Any:
                 _,
             ):
                 theirs = builder.load(_lane_row(builder, frames.data, f, vector), align=align)
-                for k, total in zip(rows, sums, strict=True):
+                for k, total in zip(some, sums, strict=True):
                     mine = spread(lows.data, k, f)
                     upper = spread(highs.data, k, f) if box else mine
                     step = _gap(builder, mine, upper, theirs, box)
                     square = builder.fmul(step, step, flags=["fast"])
                     builder.store(builder.fadd(builder.load(total), square, flags=["fast"]), total)
-            for k, total in zip(rows, sums, strict=True):
+            for k, total in zip(some, sums, strict=True):
                 builder.store(builder.load(total), _lane_row(builder, outs.data, k, vector), align=align)
             return context.get_dummy_value()
 
@@ -133,7 +137,8 @@ def _squares(box: bool) -> Any:
     return squares
 
 
-_point_squares, _box_squares = _squares(box=False), _squares(box=True)
+_box_squares = _squares(box=True, rows=_ROWS)
+_point_squares, _more_point_squares = _squares(False, _ROWS), _squares(False, _MORE_ROWS)
 
 
 def _steps(root: bool) -> Any:
@@ -230,8 +235,14 @@ def _warp(query, block, lengths, band, squared, lines, costs, ends):  # type: ig
     for t in range(len(block)):
         start, stop = max(0, t - widest), min(n, t + widest + 1)
         for feature in range(0, features, _CHUNK):
-            for i in range(start, stop, _ROWS):
-                _point_squares(query, query, i, block[t], feature, min(feature + _CHUNK, features), costs)
+            upto = min(feature + _CHUNK, features)
+            i = start
+            while i + _MORE_ROWS <= stop:
+                _more_point_squares(query, query, i, block[t], feature, upto, costs)
+                i += _MORE_ROWS
+            while i < stop:
+                _point_squares(query, query, i, block[t], feature, upto, costs)
+                i += _ROWS
         _relax(costs, before, line, start, stop, t, limits, narrowest, squared)
         before, line = line, before
         for lane in range(lanes):
