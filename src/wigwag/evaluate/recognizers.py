@@ -35,6 +35,20 @@ def _encoded(seed: int) -> Recognizer:
     return recognizer
 
 
+def _kernel(seed: int) -> Recognizer:
+    from wigwag.recognise import KernelRecognizer
+
+    recognizer: Recognizer = KernelRecognizer(random_state=seed)
+    return recognizer
+
+
+def _kernel_fast(seed: int) -> Recognizer:
+    from wigwag.recognise import KernelRecognizer
+
+    recognizer: Recognizer = KernelRecognizer(preset="fast", random_state=seed)
+    return recognizer
+
+
 def _classical(seed: int) -> Recognizer:
     from wigwag.recognise.baselines import ClassicalRecognizer
 
@@ -77,7 +91,12 @@ def _multirocket(seed: int) -> Recognizer:
     return recognizer
 
 
-RECOGNIZERS: dict[str, Callable[[int], Recognizer]] = {"heavy": _heavy, "encoded": _encoded}
+RECOGNIZERS: dict[str, Callable[[int], Recognizer]] = {
+    "kernel": _kernel,
+    "kernel-fast": _kernel_fast,
+    "heavy": _heavy,
+    "encoded": _encoded,
+}
 """Name to a maker that takes the seed. These are wigwag's own, and ``--recognizer all`` runs them."""
 
 BASELINES: dict[str, Callable[[int], Recognizer]] = {

@@ -23,6 +23,7 @@ from wigwag.recognise.confidence import (
     held_out,
     weigh,
 )
+from wigwag.recognise.examples import check_clips, labels_of
 from wigwag.skeleton import Clip
 
 K_CANDIDATES = (1, 3, 5, 7)
@@ -118,7 +119,7 @@ class NearestRecognizer(Classifier):
         """
         if self.k is not None and self.k < 1:
             raise InputError(f"{type(self).__name__}.k must be 1 or more, or None, but got {self.k}.")
-        labels = self._labels(clips, y)
+        labels = labels_of(clips, y)
         self.classes_ = np.array(sorted({label for label in labels if label is not None}))
         number = {str(label): i for i, label in enumerate(self.classes_)}
         self.numbers_ = np.array([BACKGROUND if label is None else number[label] for label in labels])
@@ -126,20 +127,6 @@ class NearestRecognizer(Classifier):
         self.index_ = self._index(self._learn(clips))
         self._choose([clip.subject for clip in clips])
         return self
-
-    @staticmethod
-    def _labels(clips: Sequence[Clip], y: Sequence[str | None] | np.ndarray | None) -> list[str | None]:
-        if len(clips) == 0:
-            raise InputError("fit needs at least one labelled clip, but got an empty list.")
-        _check_clips(clips)
-        labels = [clip.label for clip in clips] if y is None else [None if v is None else str(v) for v in y]
-        if len(labels) != len(clips):
-            raise InputError(f"fit needs one label a clip, but got {len(labels)} for {len(clips)} clips.")
-        if all(label is None for label in labels):
-            raise InputError(
-                "fit needs clips of at least one gesture, but every label is None. Set Clip.label or give y."
-            )
-        return labels
 
     def _choose(self, subjects: list[str | None]) -> None:
         """Choose k, the confidence's weights and its threshold from distances between training clips.
@@ -171,7 +158,7 @@ class NearestRecognizer(Classifier):
             NotFittedError: Before ``fit``.
         """
         self._check_fitted()
-        _check_clips(clips)
+        check_clips(clips)
         gesture = self.numbers_ != BACKGROUND
         decided = [self._weigh(clip, gesture)[0].decided for clip in clips]
         return np.asarray(self.classes_[np.array(decided, dtype=int)])
@@ -183,7 +170,7 @@ class NearestRecognizer(Classifier):
         their distance; the decided one is never below another.
         """
         self._check_fitted()
-        _check_clips(clips)
+        check_clips(clips)
         gesture = self.numbers_ != BACKGROUND
         result = np.zeros((len(clips), len(self.classes_)))
         for row, clip in zip(result, clips, strict=True):
@@ -297,12 +284,3 @@ class NearestRecognizer(Classifier):
             self.confidence_.rates_ = dict(facts["rates"])
             self.index_ = self._restore(arrays)
         return self
-
-
-def _check_clips(clips: Sequence[Clip]) -> None:
-    for i, clip in enumerate(clips):
-        if not isinstance(clip, Clip):
-            raise InputError(
-                f"A recogniser takes a list of wigwag.skeleton.Clip, but element {i} is "
-                f"{type(clip).__name__}. Build clips with Clip.at_rate or Clip.from_poses."
-            )

@@ -1,0 +1,218 @@
+"""How sure to be: learned from people left out of teaching, and from gestures that nobody taught."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy.special import logsumexp
+
+from wigwag.recognise.acceptance import BACKGROUND, Acceptance, Trials, nearest_of_each, signs_of
+from wigwag.recognise.ridge import gram_matrix, solve
+
+_MOST_FOLDS = 8
+_CLASS_FOLDS = 3
+_USUAL_TEMPERATURE = 6.0
+
+
+class Doubt:
+    """What a ridge recogniser makes of clips whose people, or whose gestures, took no part in teaching.
+
+    Every person is left out in turn, and every half of them: once with all gestures taught, and three
+    times with a third of the gestures untaught, when any decision for a gesture is wrong. What is seen
+    then sets the threshold below which a decision is refused, and how sharply scores become probabilities.
+
+    Args:
+        false_reject: See :class:`~wigwag.recognise.acceptance.Acceptance`.
+
+    Attributes:
+        acceptance: Fitted.
+        temperature: By which scores are multiplied before softmax.
+        typical: How far the nearest example by another person usually is, a gesture.
+        taught_background: Whether there were clips that are no gesture.
+    """
+
+    def __init__(self, false_reject: float) -> None:
+        self.acceptance = Acceptance(false_reject)
+        self.temperature = _USUAL_TEMPERATURE
+
+    def fit(
+        self,
+        features: Float[np.ndarray, "examples features"],
+        relative: Float[np.ndarray, "clips clips"],
+        numbers: Int[np.ndarray, " clips"],
+        people: Int[np.ndarray, " clips"],
+        ridge: float,
+    ) -> Self:
+        """Leave people and gestures out, teach, and look.
+
+        Args:
+            features: Similarities to all clips, several a clip side by side; first the rows of the clips
+                themselves, then as many of each set of copies.
+            relative: Distances between the clips.
+            numbers: Their gestures; ``BACKGROUND``: none.
+            people: Whose they are.
+            ridge: Weight of the penalty.
+        """
+        classes = int(numbers.max()) + 1
+        self.taught_background = bool((numbers == BACKGROUND).any())
+        self.typical = _typical(relative, numbers, people, classes)
+        lesson = _Lesson(self, features, relative, numbers, ridge)
+        trials, held = Trials(), Held([], [])
+        for fold in _folds(people):
+            out = np.isin(people, fold)
+            lesson.leave_out(out, np.zeros(len(out), dtype=bool), trials, held)
+            for unknown in _class_folds(numbers, classes):
+                if (out & unknown).any():
+                    lesson.leave_out(out, unknown, trials, None)
+        if not trials.signs:  # one clip a gesture by one person: nothing can be left out
+            trials.add(np.tile([1.0, 1.5, 1.5, 0.0], (2, 1)), np.array([True, True]))
+        self.acceptance.fit(trials)
+        self.temperature = _temperature(held)
+        return self
+
+    def background(self, scores: Float[np.ndarray, "clips classes+1"]) -> Float[np.ndarray, " clips"]:
+        """Return the score of 'no gesture', -1 where it was not taught."""
+        return np.asarray(scores[:, -1] if self.taught_background else np.full(len(scores), -1.0))
+
+    def add_gesture(self) -> None:
+        """Expect of one more gesture what is usual for the others."""
+        self.typical = np.append(self.typical, np.median(self.typical))
+
+    def forget_gesture(self, number: int) -> None:
+        """Take one gesture away."""
+        self.typical = np.delete(self.typical, number)
+
+    def facts(self) -> dict[str, Any]:
+        """Return what was learned, as plain numbers."""
+        return {
+            "acceptance": self.acceptance.facts(),
+            "temperature": self.temperature,
+            "typical": self.typical.tolist(),
+            "taught_background": self.taught_background,
+        }
+
+    def restore(self, facts: dict[str, Any]) -> Self:
+        """Take back what ``facts`` gave."""
+        self.acceptance.restore(facts["acceptance"])
+        self.temperature = float(facts["temperature"])
+        self.typical = np.array(facts["typical"])
+        self.taught_background = bool(facts["taught_background"])
+        return self
+
+
+def targets_of(
+    numbers: Int[np.ndarray, " examples"], classes: int
+) -> Float[np.ndarray, "examples classes+1"]:
+    """Return 1 for what an example is and -1 for what it is not; the last column is 'no gesture'."""
+    targets = np.full((len(numbers), classes + 1), -1.0)
+    targets[np.arange(len(numbers)), numbers] = 1.0  # BACKGROUND, -1, is the last column
+    return targets
+
+
+@dataclass(frozen=True, slots=True)
+class _Lesson:
+    """Everything that could be taught, of which some is left out."""
+
+    doubt: Doubt
+    features: Float[np.ndarray, "examples features"]
+    relative: Float[np.ndarray, "clips clips"]
+    numbers: Int[np.ndarray, " clips"]
+    ridge: float
+
+    def leave_out(
+        self,
+        out: Bool[np.ndarray, " clips"],
+        unknown: Bool[np.ndarray, " clips"],
+        trials: Trials,
+        held: Held | None,
+    ) -> None:
+        """Teach without some people and some gestures, and note what is made of what was left out."""
+        kept, numbers = ~(out | unknown), self.numbers
+        gestures = np.unique(numbers[kept & (numbers != BACKGROUND)])
+        if len(gestures) == 0:
+            return
+        doubt = self.doubt
+        classes = len(doubt.typical)
+        rows = np.tile(kept, len(self.features) // len(kept))
+        columns = np.repeat(kept, self.features.shape[1] // len(kept))
+        taught = self.features[np.ix_(rows, columns)].astype(np.float64)
+        targets = targets_of(np.tile(numbers, len(rows) // len(kept))[rows], classes)
+        coefficients = solve(gram_matrix(taught), targets, self.ridge)
+        shown = np.flatnonzero(out & (unknown if unknown.any() else True))
+        scores = self.features[np.ix_(shown, columns)] @ (taught.T @ coefficients)
+        near = nearest_of_each(self.relative[np.ix_(shown, kept)], numbers[kept], classes)
+        decided, signs = signs_of(
+            scores[:, gestures], doubt.background(scores), near[:, gestures], doubt.typical[gestures]
+        )
+        trials.add(signs, gestures[decided] == numbers[shown])
+        if held is not None:
+            known = np.isin(numbers[shown], gestures)
+            held.scores.append(scores[known, :-1])
+            held.numbers.append(numbers[shown][known])
+
+
+@dataclass(slots=True)
+class Held:
+    """Scores of clips whose people, but not whose gestures, were left out."""
+
+    scores: list[Float[np.ndarray, "clips classes"]]
+    numbers: list[Int[np.ndarray, " clips"]]
+
+
+def _temperature(held: Held) -> float:
+    """Choose the sharpness at which softmax of the scores is the best forecast of what was shown."""
+    if not held.scores:
+        return _USUAL_TEMPERATURE
+    scores, numbers = np.concatenate(held.scores), np.concatenate(held.numbers)
+    candidates = np.geomspace(1.0, 30.0, 35)
+    surprise = [
+        float(np.mean(logsumexp(t * scores, axis=1) - t * scores[np.arange(len(scores)), numbers]))
+        for t in candidates
+    ]
+    return float(candidates[int(np.argmin(surprise))])
+
+
+def _folds(people: Int[np.ndarray, " clips"]) -> list[Int[np.ndarray, " people"]]:
+    """Leave each person out, or so many at a time that there are eight turns, and then each half.
+
+    With all but one of a few people in training, hardly anything goes wrong; a new person who moves unlike
+    any of them is not among these trials. Halves are the harder and, for that, the more honest ones.
+    """
+    names = np.unique(people)
+    if len(names) < 2:
+        return []
+    shuffled = np.random.default_rng(0).permutation(names)
+    folds = np.array_split(shuffled, min(len(names), _MOST_FOLDS))
+    return folds + (np.array_split(shuffled, 2) if len(names) > 3 else [])
+
+
+def _class_folds(numbers: Int[np.ndarray, " clips"], classes: int) -> list[np.ndarray]:
+    """Mark the clips of a third of the gestures, three times; nothing where there are only two."""
+    if classes < 3:
+        return []
+    thirds = np.array_split(np.random.default_rng(0).permutation(classes), _CLASS_FOLDS)
+    return [np.isin(numbers, third) for third in thirds]
+
+
+def _typical(
+    relative: Float[np.ndarray, "clips clips"],
+    numbers: Int[np.ndarray, " clips"],
+    people: Int[np.ndarray, " clips"],
+    classes: int,
+) -> Float[np.ndarray, " classes"]:
+    """Return, for each gesture, how far the nearest example by somebody else usually is."""
+    others = (numbers[:, None] == numbers) & (people[:, None] != people) & (numbers != BACKGROUND)[:, None]
+    nearest = np.where(others, relative, np.inf).min(axis=1)
+    seen = np.isfinite(nearest)
+    if not seen.any():  # one example of each gesture: as far as clips are from each other, halved
+        return np.full(classes, max(float(np.median(relative)) / 2, 1e-9))
+    overall = float(np.median(nearest[seen]))
+    result = np.empty(classes)
+    for number in range(classes):
+        # Four clips' worth of the overall value steady a gesture of few examples.
+        logs = np.log(np.maximum(np.append(nearest[seen & (numbers == number)], [overall] * 4), 1e-9))
+        result[number] = np.exp(logs.mean())
+    return result

@@ -1,0 +1,399 @@
+"""wigwag's own recogniser: many views of a movement, compared by DTW, weighed by ridge regression."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from os import PathLike
+from typing import Any, Literal, Self
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy.special import softmax
+
+from wigwag.errors import InputError, NotFittedError
+from wigwag.features import Classifier
+from wigwag.features.augment import Augmentation
+from wigwag.features.canonical import CanonicalForm
+from wigwag.features.views import View
+from wigwag.gesture import Gesture
+from wigwag.recognise import store
+from wigwag.recognise.acceptance import BACKGROUND, nearest_of_each, signs_of
+from wigwag.recognise.doubt import Doubt, targets_of
+from wigwag.recognise.examples import check_clips, labels_of, people_of
+from wigwag.recognise.ridge import EmpiricalMapRidge
+from wigwag.recognise.similarity import Sides, Similarities
+from wigwag.skeleton import Clip
+
+
+@dataclass(frozen=True, slots=True)
+class KernelPreset:
+    """What a preset stands for; see :class:`KernelRecognizer`."""
+
+    frames: int
+    band: int
+    n_dims: int
+    kinds: tuple[View, ...]
+
+
+_KINDS: tuple[View, ...] = (
+    "positions", "bones", "directions", "distances", "accelerations", "hands", "trunk",
+)  # fmt: skip
+
+PRESETS: dict[str, KernelPreset] = {
+    "fast": KernelPreset(frames=16, band=4, n_dims=12, kinds=_KINDS),
+    "accurate": KernelPreset(frames=24, band=6, n_dims=12, kinds=_KINDS),
+}
+"""Chosen by leaving people out of UTD-MHAD's training subjects 1, 3, 5, 7."""
+
+
+class KernelRecognizer(Classifier):
+    """Ridge regression on DTW similarities to all training clips, in seven views of a movement.
+
+    A clip is brought into its canonical form, seen in seven views (where the landmarks are, how limbs
+    turn, how distances between landmarks change, the hands, the trunk's bounce, ...), and compared with
+    every reference by banded DTW in each. One linear map, learned by ridge regression from these
+    similarities (and from copies of the clips with other bodies and tempos), scores every gesture.
+
+    What is unlike anything taught is refused: see :meth:`accept_score`. Its threshold comes from training
+    people, and gestures, that were left out in turn.
+
+    Args:
+        preset: ``"accurate"`` or ``"fast"``, which compares coarser sequences.
+        origin: ``"start"``: walking stays visible; ``"drift"``: a camera that drifts does not disturb.
+        ridge: Weight of the penalty, per example.
+        width: Width of the kernels, in median distances.
+        copies: Varied copies of each clip that are learned from too.
+        false_reject: The threshold turns away this share of right decisions on training people.
+        null_score: ``recognise`` gives no label below this log odds; ``None``: what ``false_reject`` says.
+        random_state: Seed of the copies.
+
+    Attributes:
+        classes_: The gestures.
+        accept_threshold_: The threshold in use.
+
+    Example:
+        >>> import numpy as np
+        >>> from wigwag.skeleton import Clip
+        >>> rng, poses = np.random.default_rng(0), np.random.default_rng(1).normal(size=(2, 13, 3))
+        >>> ramp = np.linspace(0, 1, 30)[:, None, None]
+        >>> clips = [
+        ...     Clip.at_rate(pose * (1 + ramp) + rng.normal(0, 0.01, (30, 13, 3)), 30, label, f"s{i}")
+        ...     for i in range(3) for label, pose in zip(("wave", "stop"), poses)
+        ... ]
+        >>> recogniser = KernelRecognizer().fit(clips)
+        >>> recogniser.predict(clips[:2]).tolist()
+        ['wave', 'stop']
+        >>> recogniser.enrol("again", [clips[0]]).classes_.tolist()
+        ['stop', 'wave', 'again']
+    """
+
+    def __init__(
+        self,
+        *,
+        preset: Literal["accurate", "fast"] = "accurate",
+        origin: Literal["start", "drift"] = "start",
+        ridge: float = 3e-4,
+        width: float = 1.5,
+        copies: int = 1,
+        false_reject: float = 0.05,
+        null_score: float | None = None,
+        random_state: int = 0,
+    ) -> None:
+        self.preset = preset
+        self.origin = origin
+        self.ridge = ridge
+        self.width = width
+        self.copies = copies
+        self.false_reject = false_reject
+        self.null_score = null_score
+        self.random_state = random_state
+
+    # -- fit ----------------------------------------------------------------------------------------------
+
+    def fit(self, clips: Sequence[Clip], y: Sequence[str | None] | np.ndarray | None = None) -> Self:
+        """Learn gestures from examples; clips labelled ``None`` are movements that are no gesture.
+
+        Args:
+            clips: Examples, with ``subject`` set where more than one person shows them: how sure to be is
+                learned by leaving each person out.
+            y: Labels; ``None``: the clips' own.
+
+        Raises:
+            InputError: If there are no clips, no labels, or not as many labels as clips, or a setting is
+                out of range.
+        """
+        self._check_settings()
+        labels = labels_of(clips, y)
+        self.classes_ = np.array(sorted({label for label in labels if label is not None}))
+        number = {str(label): i for i, label in enumerate(self.classes_)}
+        self.numbers_ = np.array([BACKGROUND if label is None else number[label] for label in labels])
+        self.names_ = [clip.name for clip in clips]
+        rng = np.random.default_rng(self.random_state)
+        self._similar = self._similarities()
+        sides = self._similar.fit(clips)
+        self._similar.refer_to(sides)
+        varied = [s for _ in range(self.copies) for s in self._varied(clips, rng)]
+        distances = np.stack([self._similar.distances(s) for s in sides + varied])
+        self._similar.set_scales(distances[: len(clips)])
+        self._rows, self._row_numbers = sides + varied, np.tile(self.numbers_, self.copies + 1)
+        features = self._similar.features(distances)
+        relative = self._similar.relative(distances[: len(clips)]).sum(axis=2)
+        self.doubt_ = Doubt(self.false_reject).fit(
+            features, relative, self.numbers_, people_of(clips), self.ridge
+        )
+        self.accept_threshold_ = (
+            self.doubt_.acceptance.threshold_ if self.null_score is None else float(self.null_score)
+        )
+        self._ridge = EmpiricalMapRidge(self.ridge).fit(
+            features, targets_of(self._row_numbers, len(self.classes_))
+        )
+        self._weights = self._ridge.weights.astype(np.float32)
+        self._examples = Similarities.comparing(self._similar, self._rows)
+        return self
+
+    def _check_settings(self) -> None:
+        if self.preset not in PRESETS:
+            raise InputError(
+                f"KernelRecognizer.preset must be one of {', '.join(PRESETS)}, but got {self.preset!r}."
+            )
+        for name in ("ridge", "width"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"KernelRecognizer.{name} must be positive, but got {getattr(self, name)}.")
+        if self.copies < 0:
+            raise InputError(f"KernelRecognizer.copies must be 0 or more, but got {self.copies}.")
+        if not 0 <= self.false_reject < 1:
+            raise InputError(
+                f"KernelRecognizer.false_reject must be within 0 and 1, but got {self.false_reject}."
+            )
+
+    def _similarities(self) -> Similarities:
+        preset = PRESETS[self.preset]
+        form = CanonicalForm(frames=preset.frames, origin=self.origin)
+        return Similarities(form, preset.kinds, preset.n_dims, preset.band, self.width)
+
+    def _varied(self, clips: Sequence[Clip], rng: np.random.Generator) -> list[Sides]:
+        augmentation = Augmentation()
+        return [self._similar.sides(augmentation.apply(clip, rng)) for clip in clips]
+
+    # -- decide -------------------------------------------------------------------------------------------
+
+    def predict(self, clips: Sequence[Clip]) -> np.ndarray:
+        """Return the most likely gesture of each clip: always one, however unlikely.
+
+        Raises:
+            NotFittedError: Before ``fit``.
+        """
+        return np.asarray(self.classes_[self._scores(clips)[:, :-1].argmax(axis=1)])
+
+    def predict_proba(self, clips: Sequence[Clip]) -> Float[np.ndarray, "clips classes"]:
+        """Return a probability for each gesture, given that it is one of them.
+
+        Calibrated on training people who were left out.
+        """
+        return np.asarray(softmax(self.doubt_.temperature * self._scores(clips)[:, :-1], axis=1))
+
+    def accept_score(self, clips: Sequence[Clip]) -> Float[np.ndarray, " clips"]:
+        """Return the log odds that a clip truly shows the gesture it is most like; see ``recognise``."""
+        self._check_fitted()
+        check_clips(clips)
+        if len(clips) == 0:
+            return np.zeros(0)
+        return np.concatenate([self._weigh(clip)[2] for clip in clips])
+
+    def recognise(self, clip: Clip) -> Gesture:
+        """Decide what one clip shows; ``label=None`` if it is no gesture, or if that is not sure enough.
+
+        Raises:
+            NotFittedError: Before ``fit``.
+        """
+        self._check_fitted()
+        check_clips([clip])
+        scores, relative, log_odds = self._weigh(clip)
+        first, last = int(clip.stamps_ns[0]), int(clip.stamps_ns[-1])
+        decided = int(scores[0, :-1].argmax())
+        same = np.flatnonzero(self.numbers_ == decided)
+        nearest = same[relative[same].argmin()]
+        times = relative[nearest] / self.doubt_.typical[decided]
+        label = str(self.classes_[decided])
+        account = f"nearest example {self.names_[nearest]} at {times:.2f} times the usual distance"
+        sure = float(self.doubt_.acceptance.probability(log_odds)[0])
+        if self.doubt_.background(scores)[0] > scores[0, decided]:
+            return Gesture(None, sure, first, last, last, f"like a movement that is no gesture; {account}")
+        if log_odds[0] < self.accept_threshold_:
+            limit = float(self.doubt_.acceptance.probability(np.array([self.accept_threshold_]))[0])
+            reason = f"not sure of {label}: {sure:.3f} < {limit:.3f}; {account}"
+            return Gesture(None, sure, first, last, last, reason)
+        return Gesture(label, sure, first, last, last, account)
+
+    def _scores(self, clips: Sequence[Clip]) -> Float[np.ndarray, "clips classes+1"]:
+        self._check_fitted()
+        check_clips(clips)
+        if len(clips) == 0:
+            return np.zeros((0, len(self.classes_) + 1))
+        return np.stack([self._score(self._distances(clip)) for clip in clips])
+
+    def _distances(self, clip: Clip) -> Float[np.ndarray, "references views"]:
+        return self._similar.distances(self._similar.sides(clip))
+
+    def _score(self, distances: np.ndarray) -> Float[np.ndarray, " classes+1"]:
+        return np.asarray(self._similar.features(distances) @ self._weights)
+
+    def _weigh(self, clip: Clip) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return scores, distances relative to the usual ones, and the log odds of acceptance."""
+        distances = self._distances(clip)
+        scores = self._score(distances)[None].astype(np.float64)
+        relative = self._similar.relative(distances).sum(axis=1)
+        near = nearest_of_each(relative[None], self.numbers_, len(self.classes_))
+        _, signs = signs_of(scores[:, :-1], self.doubt_.background(scores), near, self.doubt_.typical)
+        return scores, relative, self.doubt_.acceptance.score(signs)
+
+    def _check_fitted(self) -> None:
+        if not hasattr(self, "_weights"):
+            raise NotFittedError(
+                "KernelRecognizer is not fitted yet; call fit with clips, or KernelRecognizer.load a model."
+            )
+
+    # -- learn and forget ---------------------------------------------------------------------------------
+
+    def enrol(self, label: str, clips: Sequence[Clip]) -> Self:
+        """Add a gesture, or more examples of one that is known, without learning everything anew.
+
+        The examples become references, and teach together with varied copies of them. How sure to be
+        stays as it was learned.
+
+        Args:
+            label: Name of the gesture.
+            clips: One example or more; their own labels are not looked at.
+
+        Raises:
+            InputError: If there is no clip or the label is empty.
+            NotFittedError: Before ``fit``.
+        """
+        self._check_fitted()
+        check_clips(clips)
+        if len(clips) == 0:
+            raise InputError(f"enrol needs at least one clip of {label!r}, but got an empty list.")
+        if not isinstance(label, str) or not label:
+            raise InputError(f"enrol needs a gesture's name, but got {label!r}.")
+        self._ready_to_learn()
+        if label not in self.classes_:
+            self.classes_ = np.append(self.classes_, label)
+            self._ridge.add_target(len(self.classes_) - 1)
+            self.doubt_.add_gesture()
+        number = int(np.flatnonzero(self.classes_ == label)[0])
+        sides = [self._similar.sides(clip) for clip in clips]
+        rng = np.random.default_rng([self.random_state, len(self._rows)])
+        rows = sides + [s for _ in range(max(self.copies, 1)) for s in self._varied(clips, rng)]
+        self._ridge.add_features(self._columns(sides))
+        self._similar.add(sides)
+        self.numbers_ = np.append(self.numbers_, [number] * len(clips))
+        self.names_ += [clip.name for clip in clips]
+        distances = np.stack([self._similar.distances(s) for s in rows])
+        numbers = np.full(len(rows), number)
+        self._ridge.add_examples(self._similar.features(distances), targets_of(numbers, len(self.classes_)))
+        self._examples.add(rows)
+        self._rows, self._row_numbers = self._rows + rows, np.append(self._row_numbers, numbers)
+        self._weights = self._ridge.weights.astype(np.float32)
+        return self
+
+    def forget(self, label: str) -> Self:
+        """Take a gesture away, with all its examples.
+
+        Raises:
+            InputError: If there is no such gesture, or it is the only one.
+            NotFittedError: Before ``fit``.
+        """
+        self._check_fitted()
+        if label not in self.classes_:
+            raise InputError(
+                f"There is no gesture {label!r} to forget. Known gestures: {', '.join(self.classes_)}."
+            )
+        if len(self.classes_) == 1:
+            raise InputError(f"{label!r} is the only gesture; a recogniser without any is none.")
+        self._ready_to_learn()
+        number = int(np.flatnonzero(self.classes_ == label)[0])
+        kept, kept_rows = self.numbers_ != number, self._row_numbers != number
+        self._ridge.keep(kept_rows, np.repeat(kept, len(self._similar.kinds)), number)
+        self._similar.refer_to([s for s, keep in zip(self._similar.references, kept, strict=True) if keep])
+        self._rows = [s for s, keep in zip(self._rows, kept_rows, strict=True) if keep]
+        self._examples = Similarities.comparing(self._similar, self._rows)
+        self.names_ = [name for name, keep in zip(self.names_, kept, strict=True) if keep]
+        self.classes_ = np.delete(self.classes_, number)
+        self.doubt_.forget_gesture(number)
+        self.numbers_ = _renumbered(self.numbers_[kept], number)
+        self._row_numbers = _renumbered(self._row_numbers[kept_rows], number)
+        self._weights = self._ridge.weights.astype(np.float32)
+        return self
+
+    def _columns(self, references: Sequence[Sides]) -> Float[np.ndarray, "examples new"]:
+        """Return the similarities of all examples so far to new references: DTW is symmetric."""
+        distances = np.stack([self._examples.distances(sides) for sides in references], axis=1)
+        return self._similar.features(distances)
+
+    def _ready_to_learn(self) -> None:
+        """A loaded recogniser knows its weights alone; the first change takes what they came from."""
+        if not hasattr(self, "_examples"):
+            self._examples = Similarities.comparing(self._similar, self._rows)
+        if not hasattr(self, "_ridge"):
+            features = self._similar.features(np.stack([self._similar.distances(s) for s in self._rows]))
+            self._ridge = EmpiricalMapRidge(self.ridge).fit(
+                features, targets_of(self._row_numbers, len(self.classes_))
+            )
+
+    # -- keep ---------------------------------------------------------------------------------------------
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the fitted recogniser to one file of arrays and JSON; an old file is replaced at once.
+
+        Raises:
+            NotFittedError: Before ``fit``.
+        """
+        self._check_fitted()
+        facts: dict[str, Any] = {
+            "parameters": store.plain(self.get_params(deep=False)),
+            "classes": [str(label) for label in self.classes_],
+            "names": self.names_,
+            "doubt": self.doubt_.facts(),
+            "accept_threshold": self.accept_threshold_,
+        }
+        arrays = {
+            "numbers": self.numbers_, "row_numbers": self._row_numbers,
+            "weights": self._weights, "scales": self._similar.scales,
+        }  # fmt: skip
+        for v, kind in enumerate(self._similar.kinds):
+            arrays[f"mean_{kind}"], arrays[f"basis_{kind}"] = self._similar.means[v], self._similar.bases[v]
+            arrays[f"rows_{kind}"] = np.stack([sides[v] for sides in self._rows])
+            arrays[f"references_{kind}"] = np.stack([sides[v] for sides in self._similar.references])
+        store.write(path, type(self).__name__, facts, arrays)
+
+    @classmethod
+    def load(cls, path: str | PathLike[str]) -> Self:
+        """Read a recogniser that ``save`` wrote; it decides what the saved one did.
+
+        The first ``enrol`` or ``forget`` after loading takes longer than later ones.
+
+        Raises:
+            ModelError: If the file is missing, damaged, of another version, or holds something else.
+        """
+        facts, arrays = store.read(path, cls.__name__)
+        with store.explained(path):
+            self = cls(**store.revived(facts["parameters"]))
+            self.classes_, self.names_ = np.array(facts["classes"]), list(facts["names"])
+            self.numbers_, self._row_numbers = arrays["numbers"], arrays["row_numbers"]
+            self._weights = arrays["weights"]
+            self.doubt_ = Doubt(self.false_reject).restore(facts["doubt"])
+            self.accept_threshold_ = float(facts["accept_threshold"])
+            similar = self._similar = self._similarities()
+            similar.scales = arrays["scales"]
+            similar.means = [arrays[f"mean_{kind}"] for kind in similar.kinds]
+            similar.bases = [arrays[f"basis_{kind}"] for kind in similar.kinds]
+            rows = [arrays[f"rows_{kind}"] for kind in similar.kinds]
+            self._rows = [list(sides) for sides in zip(*rows, strict=True)]
+            references = [arrays[f"references_{kind}"] for kind in similar.kinds]
+            similar.refer_to([list(sides) for sides in zip(*references, strict=True)])
+        return self
+
+
+def _renumbered(numbers: Int[np.ndarray, " some"], gone: int) -> Int[np.ndarray, " some"]:
+    return np.asarray(np.where(numbers > gone, numbers - 1, numbers))
