@@ -1,7 +1,8 @@
 """Sequences are compared: dynamic time warping, and the nearest of many references."""
 
 from wigwag.distances.dtw import dtw, dtw_pairwise
+from wigwag.distances.gallery import Gallery
 from wigwag.distances.nearest import NearestSequences
 from wigwag.distances.packed import PackedSequences
 
-__all__ = ["NearestSequences", "PackedSequences", "dtw", "dtw_pairwise"]
+__all__ = ["Gallery", "NearestSequences", "PackedSequences", "dtw", "dtw_pairwise"]

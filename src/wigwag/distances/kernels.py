@@ -390,3 +390,29 @@ def warp_squares(squares, band, squared):  # type: ignore[no-untyped-def]
             row[j + 1] = cost + min(before[j], before[j + 1], row[j])
         before, row = row, before
     return before[m]
+
+
+@njit(cache=True, fastmath=True, error_model="numpy")
+def warp_chosen(query, store, chosen, band, squared, ends):  # type: ignore[no-untyped-def]
+    """Warp a query (its last row is padding) against some of many references of one length.
+
+    Args:
+        query: As in ``_warp``.
+        store: All references (references, frames, features).
+        chosen: Which; a multiple of the lanes.
+        band: As in ``_warp``.
+        squared: As in ``_warp``.
+        ends: The result, one for each of ``chosen``.
+    """
+    lanes, frames, features = _lanes(store), store.shape[1], store.shape[2]
+    lines = np.empty((2, len(query), lanes), store.dtype)
+    costs = np.empty((len(query), lanes), store.dtype)
+    block = np.empty((frames, features, lanes), store.dtype)
+    lengths = np.full(lanes, frames)
+    for start in range(0, len(chosen), lanes):
+        for lane in range(lanes):
+            reference = store[chosen[start + lane]]
+            for t in range(frames):
+                for f in range(features):
+                    block[t, f, lane] = reference[t, f]
+        _warp(query, block, lengths, band, squared, lines, costs, ends[start : start + lanes])
