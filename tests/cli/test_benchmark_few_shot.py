@@ -59,6 +59,8 @@ def test_faults(small: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert few_shot("--data", small, "--draws", 0) == 2
     assert "--draws must be 1 or more, but got 0" in " ".join(capsys.readouterr().err.split())
     assert few_shot("--data", small, "--recognizer", "nobody") == 2
-    assert "recognizer must be one of heavy, encoded" in " ".join(capsys.readouterr().err.split())
+    said = " ".join(capsys.readouterr().err.split())
+    assert "recognizer must be one of" in said
+    assert "heavy, encoded" in said
     assert few_shot("--data", tmp_path / "nowhere", "--recognizer", "classical") == 2
     assert "no such file or folder" in " ".join(capsys.readouterr().err.split())

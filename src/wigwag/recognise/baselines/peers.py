@@ -113,9 +113,7 @@ class AeonDtwRecognizer(PeerRecognizer):
 
     def _peer(self) -> _Peer:
         try:
-            from aeon.classification.distance_based import (  # type: ignore[import-not-found, import-untyped, unused-ignore]  # no types
-                KNeighborsTimeSeriesClassifier,
-            )
+            from aeon.classification.distance_based import KNeighborsTimeSeriesClassifier
         except ImportError as error:
             raise _missing("aeon") from error
         peer: _Peer = KNeighborsTimeSeriesClassifier(distance="dtw", n_neighbors=1, n_jobs=1)
@@ -148,9 +146,7 @@ class MultiRocketRecognizer(PeerRecognizer):
 
     def _peer(self) -> _Peer:
         try:
-            from aeon.classification.convolution_based import (  # type: ignore[import-not-found, import-untyped, unused-ignore]  # no types
-                MultiRocketClassifier,
-            )
+            from aeon.classification.convolution_based import MultiRocketClassifier
         except ImportError as error:
             raise _missing("aeon") from error
         peer: _Peer = MultiRocketClassifier(n_jobs=1, random_state=self.random_state)
