@@ -9,6 +9,7 @@ import tyro
 
 from wigwag.cli.benchmark_dtw import DtwBenchmark
 from wigwag.cli.benchmark_few_shot import FewShotBenchmark
+from wigwag.cli.benchmark_gallery import GalleryBenchmark
 from wigwag.cli.benchmark_lift import LiftBenchmark
 from wigwag.cli.benchmark_reject import RejectBenchmark
 from wigwag.cli.benchmark_transfer import TransferBenchmark
@@ -24,6 +25,7 @@ class Benchmark:
             Annotated[UtdMhadBenchmark, tyro.conf.subcommand("utd-mhad")]
             | Annotated[LiftBenchmark, tyro.conf.subcommand("lift")]
             | Annotated[DtwBenchmark, tyro.conf.subcommand("dtw")]
+            | Annotated[GalleryBenchmark, tyro.conf.subcommand("gallery")]
             | Annotated[FewShotBenchmark, tyro.conf.subcommand("few-shot")]
             | Annotated[RejectBenchmark, tyro.conf.subcommand("reject")]
             | Annotated[TransferBenchmark, tyro.conf.subcommand("transfer")]

@@ -16,7 +16,7 @@ from wigwag.errors import InputError, MissingExtraError, NotFittedError
 _LEARN_FROM = 5000
 """Sequences that the directions of the vectors are learned from; more change nothing."""
 
-_CONNECTIVITY, _EXPANSION_ADD = 16, 64
+_CONNECTIVITY, _EXPANSION_ADD = 16, 128
 """Neighbours a node of the index keeps, and candidates looked at when one is added."""
 
 _CHUNK = 1 << 14
