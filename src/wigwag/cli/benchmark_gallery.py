@@ -66,9 +66,9 @@ def _table(rows: list[dict[str, Any]]) -> Table:
 
     first = rows[0]
     table = Table(
-        title=f"The nearest enrolled clip of {first['queries']} recorded ones: milliseconds a query, one thread",
-        caption=f"Shortlist of {first['shortlist']}, then DTW (24 frames, 16 features, band {first['band']}). "
-        "recall: the true nearest under this DTW was found.",
+        title=f"The nearest enrolled clip, one thread: ms a query ({first['queries']} recorded clips)",
+        caption=f"Shortlist of {first['shortlist']}, then DTW: 24 frames, 16 features, band {first['band']}. "
+        "recall: the nearest under this DTW of all was found.",
         box=SIMPLE_HEAD,
     )
     for column in ("enrolled", "ms", "p95", "recall %", "DTW on all, ms", "enrolling, s"):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from io import BytesIO
+from itertools import pairwise
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -128,7 +130,7 @@ def measure(
     Raises:
         InputError: If the sizes do not rise.
     """
-    if not sizes or sizes[0] < 1 or any(b <= a for a, b in zip(sizes, sizes[1:], strict=False)):
+    if not sizes or sizes[0] < 1 or any(b <= a for a, b in pairwise(sizes)):
         raise InputError(f"The sizes must be positive and rise, but got {', '.join(map(str, sizes))}.")
     if exact < 1:
         raise InputError(
@@ -225,11 +227,13 @@ def draw_growth(rows: Sequence[dict[str, Any]], path: Path) -> None:
     axes.set_ylim(bottom=min(r["ms_per_query_median"] for r in rows) / 3)
     axes.grid(color="#e3e9ec")
     axes.legend(frameon=False)
+    picture = BytesIO()
+    figure.savefig(picture, dpi=130, format="png")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(path, dpi=130)
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: the plot cannot be written ({error}).") from error
+        path.write_bytes(picture.getvalue())
+    except OSError as error:
+        raise InputError(f"{path}: the plot cannot be written ({error.strerror}).") from error
 
 
 __all__ = ["SIZES", "EnrolledClips", "Measurement", "draw_growth", "growth", "measure"]
