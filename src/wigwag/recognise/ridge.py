@@ -12,12 +12,14 @@ class EmpiricalMapRidge:
 
     Row i of F holds the similarities of example i to every reference, one kernel after the other (the
     'empirical kernel map'; Schölkopf et al. 1999). Similarities from DTW are no positive semi-definite
-    kernel, which this form does not ask for: F F' always is one. With G = F F' + ridge I, W = F' inv(G) Y.
-    inv(G) is kept while examples are added, so that one more costs a few products and no new solution:
-    references add columns to F (Woodbury), examples add rows (block inverse).
+    kernel, which this form does not ask for: G = F F' always is one, and W = F' inv(G + ridge I) Y.
+
+    G is kept. One more example then costs a few products and one Cholesky factorisation, which is a third
+    of a product of G with itself; the similarities, by far the dearest part, are never computed again.
+    (Updating the inverse instead is cheaper still and wrong after three examples: G is nearly singular.)
 
     Args:
-        ridge: Weight of the penalty, per example.
+        ridge: Weight of the penalty, per example that was fitted.
     """
 
     def __init__(self, ridge: float) -> None:
@@ -26,41 +28,32 @@ class EmpiricalMapRidge:
     def fit(
         self, features: Float[np.ndarray, "examples features"], targets: Float[np.ndarray, "examples targets"]
     ) -> EmpiricalMapRidge:
-        """Solve from scratch."""
-        gram = gram_matrix(features)
-        self._penalty = self.ridge * len(gram)
-        gram[np.diag_indices(len(gram))] += self._penalty
-        self._inverse = cho_solve(cho_factor(gram, overwrite_a=True), np.eye(len(gram)), overwrite_b=True)
-        self._features = np.asarray(features, dtype=np.float64)
+        """Learn from examples."""
+        self._features = np.asarray(features, dtype=np.float32)
         self._targets = np.asarray(targets, dtype=np.float64)
+        self._gram = gram_matrix(features)
+        self._penalty = self.ridge * len(features)
         return self
 
     @property
     def weights(self) -> Float[np.ndarray, "features targets"]:
         """W, one row a feature."""
-        return np.asarray(self._features.T @ (self._inverse @ self._targets))
+        coefficients = _penalised_solution(self._gram, self._targets, self._penalty)
+        return np.asarray(self._features.T @ coefficients)
 
     def add_features(self, columns: Float[np.ndarray, "examples new"]) -> None:
         """Let every example have more features; W grows by as many rows, at its end."""
-        columns = np.asarray(columns, dtype=np.float64)
-        reached = self._inverse @ columns
-        inner = np.eye(columns.shape[1]) + columns.T @ reached
-        self._inverse -= reached @ np.linalg.solve(inner, reached.T)
-        self._features = np.hstack([self._features, columns])
+        self._gram += gram_matrix(columns)
+        self._features = np.hstack([self._features, columns.astype(np.float32)])
 
     def add_examples(
         self, features: Float[np.ndarray, "new features"], targets: Float[np.ndarray, "new targets"]
     ) -> None:
         """Learn from more examples."""
-        features = np.asarray(features, dtype=np.float64)
-        across = self._features @ features.T
-        corner = features @ features.T
-        corner[np.diag_indices(len(corner))] += self._penalty
-        reached = self._inverse @ across
-        inner = np.linalg.inv(corner - across.T @ reached)
-        moved = reached @ inner
-        self._inverse = np.block([[self._inverse + moved @ reached.T, -moved], [-moved.T, inner]])
-        self._features = np.vstack([self._features, features])
+        exact = np.asarray(features, dtype=np.float64)
+        across = self._features @ exact.T
+        self._gram = np.block([[self._gram, across], [across.T, exact @ exact.T]])
+        self._features = np.vstack([self._features, features.astype(np.float32)])
         self._targets = np.vstack([self._targets, targets])
 
     def add_target(self, at: int) -> None:
@@ -73,9 +66,11 @@ class EmpiricalMapRidge:
         features: Bool[np.ndarray, " features"],
         gone: int,
     ) -> None:
-        """Forget all other examples and features, and one target, by solving again without them."""
+        """Forget all other examples and features, and one target."""
+        penalty = self._penalty
         targets = np.delete(self._targets[examples], gone, axis=1)
         self.fit(self._features[np.ix_(examples, features)], targets)
+        self._penalty = penalty
 
 
 def gram_matrix(features: Float[np.ndarray, "examples features"]) -> Float[np.ndarray, "examples examples"]:
@@ -88,6 +83,14 @@ def solve(
     gram: Float[np.ndarray, "examples examples"], targets: Float[np.ndarray, "examples targets"], ridge: float
 ) -> Float[np.ndarray, "examples targets"]:
     """Return inv(G) Y for one penalty, leaving ``gram`` as it is."""
+    return _penalised_solution(gram, targets, ridge * len(gram))
+
+
+def _penalised_solution(
+    gram: Float[np.ndarray, "examples examples"],
+    targets: Float[np.ndarray, "examples targets"],
+    penalty: float,
+) -> Float[np.ndarray, "examples targets"]:
     penalised = gram.copy()
-    penalised[np.diag_indices(len(gram))] += ridge * len(gram)
-    return np.asarray(cho_solve(cho_factor(penalised, overwrite_a=True), targets))
+    penalised[np.diag_indices(len(gram))] += penalty
+    return np.asarray(cho_solve(cho_factor(penalised, lower=True, overwrite_a=True), targets))
