@@ -319,7 +319,7 @@ def nearest(query, flat, offsets, order, bounds, band, squared, k):  # type: ign
     """
     lanes, features = _lanes(flat), flat.shape[1]
     longest = 1
-    for r in order:
+    for r in range(len(offsets) - 1):
         longest = max(longest, offsets[r + 1] - offsets[r])
     lines = np.empty((2, len(query), lanes), flat.dtype)
     costs = np.empty((len(query), lanes), flat.dtype)
@@ -338,7 +338,8 @@ def nearest(query, flat, offsets, order, bounds, band, squared, k):  # type: ign
             lengths[many] = stop - first
             frames = max(frames, stop - first)
             many += 1
-        lengths[many:] = lengths[0]
+        for lane in range(many, lanes):
+            lengths[lane] = lengths[0]
         _warp(query, block[:frames], lengths, band, squared, lines, costs, ends)
         for lane in range(many):
             computed[at + lane] = ends[lane]
@@ -346,7 +347,8 @@ def nearest(query, flat, offsets, order, bounds, band, squared, k):  # type: ign
             while place > 0 and ends[lane] < best[place - 1]:
                 place -= 1
             if place < k:
-                best[place + 1 :] = best[place:-1].copy()
+                for later in range(k - 1, place, -1):
+                    best[later] = best[later - 1]
                 best[place] = ends[lane]
         at += many
         some = lanes
