@@ -28,9 +28,9 @@ def test_to_the_picture_and_back(region: Region, crop: np.ndarray) -> None:
 
 @given(regions, points)
 def test_the_warp_goes_where_the_points_go(region: Region, crop: np.ndarray) -> None:
-    pixels = crop * 256
-    by_matrix = np.column_stack([pixels, np.ones(len(pixels))]) @ region.matrix(256).T
-    np.testing.assert_allclose(by_matrix, region.to_picture(pixels, 256), atol=1e-6)
+    indices = crop * 256 - 0.5  # a pixel's middle lies half a pixel beyond its index
+    by_matrix = np.column_stack([indices, np.ones(len(indices))]) @ region.matrix(256).T
+    np.testing.assert_allclose(by_matrix, region.to_picture(crop), atol=1e-6)
 
 
 def test_around_holds_hips_in_the_middle_and_turns_the_head_up() -> None:
@@ -58,8 +58,9 @@ def test_a_crop_shows_what_stands_there() -> None:
     cv2.circle(picture, spot, 4, 255, -1)
     region = Region(220.0, 120.0, 200.0, 0.5)
     crop = cv2.warpAffine(picture, region.matrix(256), (256, 256), flags=cv2.WARP_INVERSE_MAP)
-    v, u = (crop.astype(float) * np.indices(crop.shape)).sum(axis=(1, 2)) / crop.sum()
-    np.testing.assert_allclose(region.to_picture(np.array([u, v]), 256), spot, atol=0.5)
+    v, u = (crop.astype(float) * (np.indices(crop.shape) + 0.5)).sum(axis=(1, 2)) / crop.sum()
+    # Half a pixel of the crop is 0.39 of the picture's: this tells the two apart.
+    np.testing.assert_allclose(region.to_picture(np.array([u, v]), 256), spot, atol=0.15)
 
 
 def test_unusable_regions() -> None:

@@ -55,10 +55,14 @@ class Region:
         return cls(width / 2, height / 2, float(max(width, height)))
 
     def matrix(self, pixels: int) -> Float[np.ndarray, "2 3"]:
-        """Return the affine map from a crop of ``pixels`` x ``pixels`` to the picture."""
+        """Return the affine map from the pixels of a crop of ``pixels`` x ``pixels`` to the picture's.
+
+        A crop's pixel is the square from its index to the next: index 0 shows what lies half a pixel inside
+        the crop. The picture's pixels have their middle at their index, as the intrinsics say.
+        """
         step = self.side / pixels
         c, s = step * math.cos(self.angle_rad), step * math.sin(self.angle_rad)
-        half = pixels / 2
+        half = (pixels - 1) / 2
         return np.array([[c, -s, self.u - half * (c - s)], [s, c, self.v - half * (s + c)]])
 
     def to_picture(
