@@ -16,7 +16,7 @@ from wigwag.sim.clips import (
 )
 from wigwag.sim.gestures import BACKGROUND, COMMANDS, DISTRACTORS
 from wigwag.sim.person import Person
-from wigwag.skeleton import Landmark
+from wigwag.skeleton import MIRROR, Landmark
 
 
 @pytest.fixture(scope="module")
@@ -84,6 +84,10 @@ def test_landmarks_lie_where_the_network_puts_them():
     off = (two.stream.joints - one.stream.joints)[0]
     height = Person.random(int(one.stream.subject.split()[1])).height_m
     np.testing.assert_allclose(off, LANDMARK_BIAS * height, atol=1e-9)
+
+
+def test_the_bias_is_the_same_on_both_sides() -> None:
+    np.testing.assert_array_equal(LANDMARK_BIAS[list(MIRROR)] * [-1, 1, 1], LANDMARK_BIAS)
 
 
 def test_glitches_are_rare_and_touch_only_the_arms():
