@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
-from wigwag.distances.kernels import warp_pair, warp_squares
 from wigwag.distances.packed import Cost, PackedSequences, is_squared, width_of
+from wigwag.distances.pair import warp_pair, warp_squares
 from wigwag.errors import InputError
 
 

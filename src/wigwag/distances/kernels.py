@@ -5,7 +5,8 @@ Across references it can. 32 references in float32, 16 in float64, lie side by s
 feature of one frame of all of them is a row of 128 bytes: eight registers of SSE or NEON, four of AVX2, two
 of AVX-512. The lanes of a cell's cost stay in registers over all features.
 
-Everything here trusts its arguments; :mod:`wigwag.distances.packed` checks them.
+Everything here trusts its arguments; :mod:`wigwag.distances.packed` checks them. Vector instructions and
+the loops that use them stand in one file, since numba's cache of a function looks at its own file alone.
 """
 
 # ruff: noqa: PLR0917  (compiled functions are called by position)
@@ -353,45 +354,6 @@ def nearest(query, flat, offsets, order, bounds, band, squared, k):  # type: ign
         at += many
         some = lanes
     return computed[:at]
-
-
-@njit(cache=True, fastmath=True)
-def warp_pair(a, b, band, squared):  # type: ignore[no-untyped-def]
-    """Return the DTW distance of one pair, in float64."""
-    n, m = len(a), len(b)
-    width = max(band, abs(n - m))
-    before = np.full(m + 1, 1e300)
-    row = np.empty(m + 1)
-    before[0] = 0.0
-    for i in range(n):
-        row[:] = 1e300
-        for j in range(max(0, i - width), min(m, i + width + 1)):
-            square = 0.0
-            for f in range(a.shape[1]):
-                step = a[i, f] - b[j, f]
-                square += step * step
-            cost = square if squared else np.sqrt(square)
-            row[j + 1] = cost + min(before[j], before[j + 1], row[j])  # eq. DTW
-        before, row = row, before
-    return before[m]
-
-
-@njit(cache=True, fastmath=True)
-def warp_squares(squares, band, squared):  # type: ignore[no-untyped-def]
-    """Return the DTW distance of one pair whose squared local costs are known."""
-    n, m = squares.shape
-    width = max(band, abs(n - m))
-    before = np.full(m + 1, 1e300)
-    row = np.empty(m + 1)
-    before[0] = 0.0
-    for i in range(n):
-        row[:] = 1e300
-        for j in range(max(0, i - width), min(m, i + width + 1)):
-            square = max(squares[i, j], 0.0)
-            cost = square if squared else np.sqrt(square)
-            row[j + 1] = cost + min(before[j], before[j + 1], row[j])
-        before, row = row, before
-    return before[m]
 
 
 @njit(cache=True, fastmath=True, error_model="numpy")

@@ -9,7 +9,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from wigwag.distances.kernels import bound_all, lanes_of, nearest, warp_all, warp_pair
+from wigwag.distances.kernels import bound_all, lanes_of, nearest, warp_all
+from wigwag.distances.pair import warp_pair
 from wigwag.errors import InputError
 
 Cost = Literal["euclidean", "squared"]
