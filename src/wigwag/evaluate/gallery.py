@@ -224,6 +224,7 @@ def draw_growth(rows: Sequence[dict[str, Any]], path: Path) -> None:
             fontsize=8,
         )
     axes.set(xlabel="enrolled clips", ylabel="ms a query (median, one thread)")
+    axes.margins(x=0.12)
     axes.set_ylim(bottom=min(r["ms_per_query_median"] for r in rows) / 3)
     axes.grid(color="#e3e9ec")
     axes.legend(frameon=False)
