@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress
 
+    from wigwag.evaluate.lessons import Teachable
     from wigwag.evaluate.session import Session
     from wigwag.pose.estimator import PoseEstimator
-    from wigwag.recognise import EncodedRecognizer, HeavyRecognizer
     from wigwag.view.report import Still
 
 
@@ -44,8 +44,8 @@ class Demo:
     """Chooses the person, the order, and all noise."""
     out: Path = Path("out")
     """Folder for what is written."""
-    recognizer: Literal["heavy", "encoded"] = "heavy"
-    """Which of the paper's recognisers decides."""
+    recognizer: Literal["kernel", "heavy", "encoded"] = "kernel"
+    """Which recogniser decides: wigwag's own, or one of the paper's two."""
     film: bool = True
     """Write demo.mp4."""
 
@@ -135,12 +135,11 @@ def pose_estimator() -> PoseEstimator:
     return PoseEstimator()
 
 
-def load_recogniser(name: str, model: Path) -> HeavyRecognizer | EncodedRecognizer:
+def load_recogniser(name: str, model: Path) -> Teachable:
     """Read a taught recogniser."""
     from wigwag.evaluate.lessons import RECOGNISERS
 
-    kind: type[HeavyRecognizer] | type[EncodedRecognizer] = RECOGNISERS[name]
-    return kind.load(model)
+    return RECOGNISERS[name].load(model)
 
 
 def fly(session: Session, estimator: PoseEstimator, console: Console, film: Path | None) -> list[Still]:

@@ -41,11 +41,6 @@ class References:
         self.with_query = np.concatenate([values[:1], values])
         self.values = self.with_query[1:]
 
-    @property
-    def frames(self) -> int:
-        """Frames of each reference."""
-        return int(self.values.shape[1])
-
 
 def ours(references: References, band: int | None, dtype: str) -> Contender:
     """All distances, by :class:`wigwag.distances.PackedSequences`."""
@@ -80,19 +75,32 @@ def _our_name(dtype: str) -> str:
 
 
 def aeon(references: References, band: int | None) -> Contender:
-    """Take aeon's pairwise distance. Its local cost is the square; its window a share of the length."""
+    """Take aeon's pairwise distance on its usual arrays (cases, channels, time), as its users have them.
+
+    Its local cost is the square, its window a share of the length.
+    """
+    return _aeon(np.ascontiguousarray(references.values.transpose(0, 2, 1)), band, "")
+
+
+def aeon_view(references: References, band: int | None) -> Contender:
+    """As :func:`aeon`, on a transposed view: what a frame consists of then lies together in memory.
+
+    That serves aeon's loops much better, though nothing in its documentation says so.
+    """
+    return _aeon(references.values.transpose(0, 2, 1), band, "transposed view")
+
+
+def _aeon(theirs: Float[np.ndarray, "references features frames"], band: int | None, what: str) -> Contender:
     try:
         from aeon.distances import dtw_pairwise_distance
     except ImportError as error:
         raise _missing("aeon") from error
-    # A transposed view: frames of a series stay together in memory, which suits aeon's loops best.
-    theirs = references.values.transpose(0, 2, 1)
-    window = None if band is None else (band + 0.5) / references.frames
+    window = None if band is None else (band + 0.5) / theirs.shape[2]
 
     def call(query: Query) -> Any:
         return dtw_pairwise_distance(query.T[None], theirs, window=window, n_jobs=1)
 
-    return Contender(_named("aeon"), call, lambda found: np.asarray(found)[0])
+    return Contender(_named("aeon", what), call, lambda found: np.asarray(found)[0])
 
 
 def tslearn(references: References, band: int | None) -> Contender:
@@ -163,10 +171,10 @@ def _missing(library: str) -> MissingExtraError:
     )
 
 
-PEERS: tuple[Callable[[References, int | None], Contender], ...] = (aeon, dtaidistance, tslearn)
+PEERS: tuple[Callable[[References, int | None], Contender], ...] = (aeon, aeon_view, dtaidistance, tslearn)
 """All distances."""
 
 __all__ = [
-    "PEERS", "Contender", "References", "aeon", "dtaidistance", "dtaidistance_nearest", "our_nearest",
+    "PEERS", "Contender", "References", "aeon", "aeon_view", "dtaidistance", "dtaidistance_nearest", "our_nearest",
     "ours", "tslearn",
 ]  # fmt: skip

@@ -5,20 +5,27 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from wigwag.recognise import EncodedRecognizer, HeavyRecognizer
+from wigwag.recognise import EncodedRecognizer, HeavyRecognizer, KernelRecognizer
 from wigwag.sim.clips import Session, cut, training_sessions
 from wigwag.skeleton import Clip
 from wigwag.stream.segment import Segment
 from wigwag.stream.spot import SpotConfig, background
 
-RECOGNISERS: dict[str, type[HeavyRecognizer] | type[EncodedRecognizer]] = {
+Teachable = HeavyRecognizer | EncodedRecognizer | KernelRecognizer
+
+RECOGNISERS: dict[str, type[HeavyRecognizer] | type[EncodedRecognizer] | type[KernelRecognizer]] = {
+    "kernel": KernelRecognizer,
     "heavy": HeavyRecognizer,
     "encoded": EncodedRecognizer,
 }
+
+_IN_FLIGHT = {"kernel": {"origin": "drift"}}
+"""Settings for a camera that moves. The paper's recognisers have them as defaults."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +40,7 @@ class LessonConfig:
 
 
 def lessons(sessions: Sequence[Session], config: LessonConfig, spot: SpotConfig | None = None) -> list[Clip]:
-    """Cut training people's sessions into clips: gestures, other movements, and what is no gesture.
+    """Cut training people's sessions into clips: commands, other gestures by name, and what is none.
 
     Args:
         sessions: What a camera delivers of training people, with the truth about it.
@@ -43,8 +50,8 @@ def lessons(sessions: Sequence[Session], config: LessonConfig, spot: SpotConfig 
     rng = np.random.default_rng([0x7EAC, config.seed])
     clips = []
     for session in sessions:
-        clips += cut(session, seed=config.seed)
-        truth = [Segment(round(s.start_s * 1e9), round(s.end_s * 1e9)) for s in session.shown if s.is_command]
+        clips += cut(session, seed=config.seed, name_others=True)
+        truth = [Segment(round(s.start_s * 1e9), round(s.end_s * 1e9)) for s in session.shown]
         refused = background(session.stream, truth, spot)
         some = rng.permutation(len(refused))[: config.refused_per_person]
         clips += [replace(refused[int(i)], label=None) for i in some]
@@ -67,7 +74,7 @@ def warm_up() -> None:
         Lifter()(np.full((13, 2), 200.0), np.ones(13), frame.depth_mm, frame.intrinsics)
 
 
-def teach_procedural(model: Path, recognizer: str = "heavy", config: LessonConfig | None = None) -> int:
+def teach_procedural(model: Path, recognizer: str = "kernel", config: LessonConfig | None = None) -> int:
     """Teach the ten commands by simulated training people and save the recogniser.
 
     Returns:
@@ -79,12 +86,13 @@ def teach_procedural(model: Path, recognizer: str = "heavy", config: LessonConfi
     )
 
 
-def teach(clips: Sequence[Clip], model: Path, recognizer: str = "heavy", seed: int = 0) -> int:
+def teach(clips: Sequence[Clip], model: Path, recognizer: str = "kernel", seed: int = 0) -> int:
     """Fit a recogniser on one thread (its matrices are small: more threads only wait) and save it.
 
     Returns:
         How many clips were taught.
     """
     with threadpool_limits(1):
-        RECOGNISERS[recognizer](random_state=seed).fit(list(clips)).save(model)
+        settings: dict[str, Any] = _IN_FLIGHT.get(recognizer, {})
+        RECOGNISERS[recognizer](random_state=seed, **settings).fit(list(clips)).save(model)
     return len(clips)

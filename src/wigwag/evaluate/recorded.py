@@ -56,7 +56,7 @@ def teach_recorded(
     data: Path,
     model: Path,
     six_classes: Path,
-    recognizer: str = "heavy",
+    recognizer: str = "kernel",
     config: LessonConfig | None = None,
 ) -> int:
     """Teach the six classes by the skeletons of subjects 1, 3, 5 and 7 and save two recognisers.
@@ -66,10 +66,10 @@ def teach_recorded(
 
     Args:
         data: Folder of UTD-MHAD.
-        model: For the stream: everything else that these people recorded, and the standing and walking
-            between, is background.
+        model: For the stream: all 27 classes, of which six are commands; the standing and walking between,
+            and halves of gestures, are background.
         six_classes: For recordings shown one by one: the six classes alone, as in the paper's table.
-        recognizer: ``"heavy"`` or ``"encoded"``.
+        recognizer: ``"kernel"``, ``"heavy"`` or ``"encoded"``.
         config: How much is taught.
 
     Returns:
@@ -83,5 +83,5 @@ def teach_recorded(
         rng = np.random.default_rng([0xACED, config.seed, int(subject[1:])])
         sessions.append(watch(person, script, SensorConfig(), rng))
     clips = lessons(sessions, config)
-    teach([clip for clip in clips if clip.label is not None], six_classes, recognizer)
+    teach([clip for clip in clips if clip.label in COMMANDS], six_classes, recognizer)
     return teach(clips, model, recognizer)

@@ -14,6 +14,9 @@ BACKGROUND = -1
 
 N_SIGNS = 4
 
+_LEAST_SPREAD = 0.1
+"""Of a sign; a few trials that came out alike must not make a small difference a big one."""
+
 
 @dataclass(slots=True)
 class Trials:
@@ -83,10 +86,12 @@ class Acceptance:
     def fit(self, trials: Trials) -> Self:
         """Learn weights and threshold."""
         signs, right = np.concatenate(trials.signs), np.concatenate(trials.right)
-        self.center_, self.spread_ = signs.mean(axis=0), np.maximum(signs.std(axis=0), 1e-6)
+        self.center_, self.spread_ = signs.mean(axis=0), np.maximum(signs.std(axis=0), _LEAST_SPREAD)
         scaled = (signs - self.center_) / self.spread_
-        if right.all() or not right.any():  # nothing to tell apart was ever seen: all signs count alike
+        if right.all():  # nothing to tell apart was ever seen: all signs count alike
             self.weights_, self.offset_ = np.ones(N_SIGNS), 2.0
+        elif not right.any():  # act on what beats everything that was wrong
+            self.weights_, self.offset_ = np.ones(N_SIGNS), -float(scaled.sum(axis=1).max())
         else:
             self.weights_, self.offset_ = _fit_logistic(scaled, right)
         kind = self.score(signs[right]) if right.any() else np.zeros(1)

@@ -15,6 +15,9 @@ from wigwag.recognise.ridge import gram_matrix, solve
 _MOST_FOLDS = 8
 _CLASS_FOLDS = 3
 _USUAL_TEMPERATURE = 6.0
+_USUAL_SIGNS = np.array([[0.4, 1.0, 1.4, -0.4], [1.0, 2.0, 2.0, 0.4]])
+_LEAST_TYPICAL = 0.5
+"""No gesture is expected to be shown more alike than this by two people; in usual distances, all views."""
 
 
 class Doubt:
@@ -67,8 +70,8 @@ class Doubt:
             for unknown in _class_folds(numbers, classes):
                 if (out & unknown).any():
                     lesson.leave_out(out, unknown, trials, None)
-        if not trials.signs:  # one clip a gesture by one person: nothing can be left out
-            trials.add(np.tile([1.0, 1.5, 1.5, 0.0], (2, 1)), np.array([True, True]))
+        if not trials.signs:  # one clip of one gesture: nothing can be left out, so expect what is usual
+            trials.add(_USUAL_SIGNS, np.array([True, True]))
         self.acceptance.fit(trials)
         self.temperature = _temperature(held)
         return self
@@ -164,7 +167,7 @@ class Held:
 
 def _temperature(held: Held) -> float:
     """Choose the sharpness at which softmax of the scores is the best forecast of what was shown."""
-    if not held.scores:
+    if not sum(map(len, held.numbers)):  # nobody was left out whose gestures others show too
         return _USUAL_TEMPERATURE
     scores, numbers = np.concatenate(held.scores), np.concatenate(held.numbers)
     candidates = np.geomspace(1.0, 30.0, 35)
@@ -175,18 +178,24 @@ def _temperature(held: Held) -> float:
     return float(candidates[int(np.argmin(surprise))])
 
 
-def _folds(people: Int[np.ndarray, " clips"]) -> list[Int[np.ndarray, " people"]]:
-    """Leave each person out, or so many at a time that there are eight turns, and then each half.
-
-    With all but one of a few people in training, hardly anything goes wrong; a new person who moves unlike
-    any of them is not among these trials. Halves are the harder and, for that, the more honest ones.
-    """
+def person_folds(people: Int[np.ndarray, " clips"]) -> list[Int[np.ndarray, " people"]]:
+    """Leave each person out, or so many at a time that there are eight turns; none if there is only one."""
     names = np.unique(people)
     if len(names) < 2:
         return []
     shuffled = np.random.default_rng(0).permutation(names)
-    folds = np.array_split(shuffled, min(len(names), _MOST_FOLDS))
-    return folds + (np.array_split(shuffled, 2) if len(names) > 3 else [])
+    return np.array_split(shuffled, min(len(names), _MOST_FOLDS))
+
+
+def _folds(people: Int[np.ndarray, " clips"]) -> list[Int[np.ndarray, " people"]]:
+    """Leave people out as in ``person_folds``, and then each half of them.
+
+    With all but one of a few people in training, hardly anything goes wrong; a new person who moves unlike
+    any of them is not among these trials. Halves are the harder and, for that, the more honest ones.
+    """
+    folds = person_folds(people)
+    names = np.concatenate(folds) if folds else np.zeros(0, dtype=int)
+    return folds + (np.array_split(names, 2) if len(names) > 3 else [])
 
 
 def _class_folds(numbers: Int[np.ndarray, " clips"], classes: int) -> list[np.ndarray]:
@@ -208,11 +217,12 @@ def _typical(
     nearest = np.where(others, relative, np.inf).min(axis=1)
     seen = np.isfinite(nearest)
     if not seen.any():  # one example of each gesture: as far as clips are from each other, halved
-        return np.full(classes, max(float(np.median(relative)) / 2, 1e-9))
+        return np.full(classes, max(float(np.median(relative)) / 2, _LEAST_TYPICAL))
     overall = float(np.median(nearest[seen]))
     result = np.empty(classes)
     for number in range(classes):
         # Four clips' worth of the overall value steady a gesture of few examples.
-        logs = np.log(np.maximum(np.append(nearest[seen & (numbers == number)], [overall] * 4), 1e-9))
+        near = np.append(nearest[seen & (numbers == number)], [overall] * 4)
+        logs = np.log(np.maximum(near, _LEAST_TYPICAL))
         result[number] = np.exp(logs.mean())
     return result

@@ -12,11 +12,16 @@ from wigwag.skeleton import Clip
 
 
 def check_clips(clips: Sequence[Clip]) -> None:
-    """Refuse anything in a list that is no clip.
+    """Refuse anything in a list that is no clip, and a clip that is not in a list.
 
     Raises:
         InputError: Naming the element.
     """
+    if isinstance(clips, Clip):
+        raise InputError(
+            f"A recogniser takes a list of wigwag.skeleton.Clip, but got one clip, {clips.name!r}. "
+            "Put it in a list, or hand it to recognise."
+        )
     for i, clip in enumerate(clips):
         if not isinstance(clip, Clip):
             raise InputError(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
+from pathlib import Path
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -22,6 +23,7 @@ from wigwag.recognise.acceptance import BACKGROUND, nearest_of_each, signs_of
 from wigwag.recognise.doubt import Doubt, targets_of
 from wigwag.recognise.examples import check_clips, labels_of, people_of
 from wigwag.recognise.ridge import EmpiricalMapRidge
+from wigwag.recognise.selection import RIDGES, WIDTHS, choose
 from wigwag.recognise.similarity import Sides, Similarities
 from wigwag.skeleton import Clip
 
@@ -61,8 +63,9 @@ class KernelRecognizer(Classifier):
     Args:
         preset: ``"accurate"`` or ``"fast"``, which compares coarser sequences.
         origin: ``"start"``: walking stays visible; ``"drift"``: a camera that drifts does not disturb.
-        ridge: Weight of the penalty, per example.
-        width: Width of the kernels, in median distances.
+        ridge: Weight of the penalty, per example; ``None``: see ``width``.
+        width: Width of the kernels, in median distances; ``None``, for both: the pair that forecasts
+            training people best who are left out (:func:`~wigwag.recognise.selection.choose`).
         copies: Varied copies of each clip that are learned from too.
         false_reject: The threshold turns away this share of right decisions on training people.
         null_score: ``recognise`` gives no label below this log odds; ``None``: what ``false_reject`` says.
@@ -71,6 +74,7 @@ class KernelRecognizer(Classifier):
     Attributes:
         classes_: The gestures.
         accept_threshold_: The threshold in use.
+        ridge_, width_: The penalty and the width in use.
 
     Example:
         >>> import numpy as np
@@ -88,13 +92,16 @@ class KernelRecognizer(Classifier):
         ['stop', 'wave', 'again']
     """
 
+    _rows: list[Sides]
+    _rows_in: Path
+
     def __init__(
         self,
         *,
         preset: Literal["accurate", "fast"] = "accurate",
         origin: Literal["start", "drift"] = "start",
-        ridge: float = 3e-4,
-        width: float = 1.5,
+        ridge: float | None = 3e-4,
+        width: float | None = 1.5,
         copies: int = 1,
         false_reject: float = 0.05,
         null_score: float | None = None,
@@ -137,17 +144,19 @@ class KernelRecognizer(Classifier):
         distances = np.stack([self._similar.distances(s) for s in sides + varied])
         self._similar.set_scales(distances[: len(clips)])
         self._rows, self._row_numbers = sides + varied, np.tile(self.numbers_, self.copies + 1)
+        self._choose(distances, people_of(clips))
         features = self._similar.features(distances)
         relative = self._similar.relative(distances[: len(clips)]).sum(axis=2)
         self.doubt_ = Doubt(self.false_reject).fit(
-            features, relative, self.numbers_, people_of(clips), self.ridge
+            features, relative, self.numbers_, people_of(clips), self.ridge_
         )
         self.accept_threshold_ = (
             self.doubt_.acceptance.threshold_ if self.null_score is None else float(self.null_score)
         )
-        self._ridge = EmpiricalMapRidge(self.ridge).fit(
+        self._ridge = EmpiricalMapRidge(self.ridge_).fit(
             features, targets_of(self._row_numbers, len(self.classes_))
         )
+        self._penalised = self._ridge.penalised
         self._weights = self._ridge.weights.astype(np.float32)
         self._examples = Similarities.comparing(self._similar, self._rows)
         return self
@@ -158,7 +167,7 @@ class KernelRecognizer(Classifier):
                 f"KernelRecognizer.preset must be one of {', '.join(PRESETS)}, but got {self.preset!r}."
             )
         for name in ("ridge", "width"):
-            if not getattr(self, name) > 0:
+            if getattr(self, name) is not None and not getattr(self, name) > 0:
                 raise InputError(f"KernelRecognizer.{name} must be positive, but got {getattr(self, name)}.")
         if self.copies < 0:
             raise InputError(f"KernelRecognizer.copies must be 0 or more, but got {self.copies}.")
@@ -167,10 +176,25 @@ class KernelRecognizer(Classifier):
                 f"KernelRecognizer.false_reject must be within 0 and 1, but got {self.false_reject}."
             )
 
+    def _choose(self, distances: np.ndarray, people: Int[np.ndarray, " clips"]) -> None:
+        """Settle width and ridge: as they are given, or by leaving people out."""
+
+        def features_at(width: float) -> Float[np.ndarray, "examples features"]:
+            self._similar.width = width
+            return self._similar.features(distances)
+
+        if self.width is not None and self.ridge is not None:
+            self.width_, self.ridge_ = self.width, self.ridge
+        else:
+            widths = WIDTHS if self.width is None else (self.width,)
+            ridges = RIDGES if self.ridge is None else (self.ridge,)
+            self.width_, self.ridge_, _ = choose(features_at, self.numbers_, people, widths, ridges)
+        self._similar.width = self.width_
+
     def _similarities(self) -> Similarities:
         preset = PRESETS[self.preset]
         form = CanonicalForm(frames=preset.frames, origin=self.origin)
-        return Similarities(form, preset.kinds, preset.n_dims, preset.band, self.width)
+        return Similarities(form, preset.kinds, preset.n_dims, preset.band, self.width or 1.0)
 
     def _varied(self, clips: Sequence[Clip], rng: np.random.Generator) -> list[Sides]:
         augmentation = Augmentation()
@@ -333,13 +357,25 @@ class KernelRecognizer(Classifier):
 
     def _ready_to_learn(self) -> None:
         """A loaded recogniser knows its weights alone; the first change takes what they came from."""
+        self._recall()
         if not hasattr(self, "_examples"):
             self._examples = Similarities.comparing(self._similar, self._rows)
         if not hasattr(self, "_ridge"):
             features = self._similar.features(np.stack([self._similar.distances(s) for s in self._rows]))
-            self._ridge = EmpiricalMapRidge(self.ridge).fit(
-                features, targets_of(self._row_numbers, len(self.classes_))
+            self._ridge = EmpiricalMapRidge(self.ridge_).fit(
+                features, targets_of(self._row_numbers, len(self.classes_)), self._penalised
             )
+
+    def _recall(self) -> None:
+        """Read the examples of a loaded recogniser, which deciding does not need."""
+        if hasattr(self, "_rows"):
+            return
+        _, arrays = store.read(self._rows_in, type(self).__name__)
+        with store.explained(self._rows_in):
+            if not np.array_equal(arrays["row_numbers"], self._row_numbers):
+                raise InputError("it has been replaced since it was loaded; load it again")
+            rows = [arrays[f"rows_{kind}"] for kind in self._similar.kinds]
+            self._rows = [list(sides) for sides in zip(*rows, strict=True)]
 
     # -- keep ---------------------------------------------------------------------------------------------
 
@@ -350,12 +386,16 @@ class KernelRecognizer(Classifier):
             NotFittedError: Before ``fit``.
         """
         self._check_fitted()
+        self._recall()
         facts: dict[str, Any] = {
             "parameters": store.plain(self.get_params(deep=False)),
             "classes": [str(label) for label in self.classes_],
             "names": self.names_,
             "doubt": self.doubt_.facts(),
             "accept_threshold": self.accept_threshold_,
+            "width": self.width_,
+            "ridge": self.ridge_,
+            "penalised": self._penalised,
         }
         arrays = {
             "numbers": self.numbers_, "row_numbers": self._row_numbers,
@@ -371,7 +411,8 @@ class KernelRecognizer(Classifier):
     def load(cls, path: str | PathLike[str]) -> Self:
         """Read a recogniser that ``save`` wrote; it decides what the saved one did.
 
-        The first ``enrol`` or ``forget`` after loading takes longer than later ones.
+        What was learned from stays in the file: the first ``enrol``, ``forget`` or ``save`` after loading
+        reads it again, and takes longer than later ones.
 
         Raises:
             ModelError: If the file is missing, damaged, of another version, or holds something else.
@@ -384,12 +425,14 @@ class KernelRecognizer(Classifier):
             self._weights = arrays["weights"]
             self.doubt_ = Doubt(self.false_reject).restore(facts["doubt"])
             self.accept_threshold_ = float(facts["accept_threshold"])
+            self._penalised = int(facts["penalised"])
+            self.width_, self.ridge_ = float(facts["width"]), float(facts["ridge"])
             similar = self._similar = self._similarities()
+            similar.width = self.width_
             similar.scales = arrays["scales"]
             similar.means = [arrays[f"mean_{kind}"] for kind in similar.kinds]
             similar.bases = [arrays[f"basis_{kind}"] for kind in similar.kinds]
-            rows = [arrays[f"rows_{kind}"] for kind in similar.kinds]
-            self._rows = [list(sides) for sides in zip(*rows, strict=True)]
+            self._rows_in = Path(path).resolve()
             references = [arrays[f"references_{kind}"] for kind in similar.kinds]
             similar.refer_to([list(sides) for sides in zip(*references, strict=True)])
         return self

@@ -26,19 +26,29 @@ class EmpiricalMapRidge:
         self.ridge = ridge
 
     def fit(
-        self, features: Float[np.ndarray, "examples features"], targets: Float[np.ndarray, "examples targets"]
+        self,
+        features: Float[np.ndarray, "examples features"],
+        targets: Float[np.ndarray, "examples targets"],
+        penalised: int | None = None,
     ) -> EmpiricalMapRidge:
-        """Learn from examples."""
+        """Learn from examples.
+
+        Args:
+            features: Their similarities to the references.
+            targets: What they are.
+            penalised: The penalty is as for this many examples; ``None``: as many as there are. Examples
+                that come or go later do not change it, so that what was added can be taken away again.
+        """
         self._features = np.asarray(features, dtype=np.float32)
         self._targets = np.asarray(targets, dtype=np.float64)
         self._gram = gram_matrix(features)
-        self._penalty = self.ridge * len(features)
+        self.penalised = len(features) if penalised is None else penalised
         return self
 
     @property
     def weights(self) -> Float[np.ndarray, "features targets"]:
         """W, one row a feature."""
-        coefficients = _penalised_solution(self._gram, self._targets, self._penalty)
+        coefficients = _penalised_solution(self._gram, self._targets, self.ridge * self.penalised)
         return np.asarray(self._features.T @ coefficients)
 
     def add_features(self, columns: Float[np.ndarray, "examples new"]) -> None:
@@ -67,10 +77,8 @@ class EmpiricalMapRidge:
         gone: int,
     ) -> None:
         """Forget all other examples and features, and one target."""
-        penalty = self._penalty
         targets = np.delete(self._targets[examples], gone, axis=1)
-        self.fit(self._features[np.ix_(examples, features)], targets)
-        self._penalty = penalty
+        self.fit(self._features[np.ix_(examples, features)], targets, self.penalised)
 
 
 def gram_matrix(features: Float[np.ndarray, "examples features"]) -> Float[np.ndarray, "examples examples"]:

@@ -13,7 +13,10 @@ from wigwag.features.views import View, views
 from wigwag.skeleton import Clip
 
 Sides = list[Float[np.ndarray, "frames dims"]]
-"""One sequence a view, in the order of ``Similarities.views``."""
+"""One sequence a view, in the order of ``Similarities.kinds``."""
+
+_NO_DISTANCE = 1e-6
+"""Below this two float32 sequences are the same."""
 
 
 class Similarities:
@@ -106,9 +109,13 @@ class Similarities:
         return result
 
     def set_scales(self, distances: Float[np.ndarray, "clips references views"]) -> None:
-        """Take the median distance in each view for the unit of similarity."""
+        """Take the median distance in each view for the unit of similarity.
+
+        Where that is none, for there is one clip alone or all are alike, the unit is 1 a frame: an arm's
+        length, or as far in another view.
+        """
         medians = np.median(distances.reshape(-1, distances.shape[2]), axis=0)
-        self.scales = np.maximum(medians, 1e-9).astype(np.float32)
+        self.scales = np.where(medians > _NO_DISTANCE, medians, self.form.frames).astype(np.float32)
 
     def relative(self, distances: Float[np.ndarray, "*some views"]) -> Float[np.ndarray, "*some views"]:
         """Return distances in units of the usual one."""

@@ -10,14 +10,16 @@ from jaxtyping import Float
 
 from wigwag.skeleton import Clip, Landmark, Pose
 
+_ACROSS = np.array([1.0, 0.0, 1.0])
+
 
 @dataclass(frozen=True, slots=True)
 class SegmentConfig:
     """When a body counts as moving, and which stretches are proposed."""
 
-    on_m_s: float = 0.65
+    on_m_s: float = 0.5
     """A movement begins when the fastest joints are faster than this."""
-    off_m_s: float = 0.45
+    off_m_s: float = 0.35
     """Slower than this is a lull."""
     hang_s: float = 0.25
     """A lull this long is rest: the movement is over."""
@@ -32,7 +34,7 @@ class SegmentConfig:
     """Nothing shorter is proposed."""
     max_s: float = 5.0
     """Nothing longer is proposed."""
-    max_proposals: int = 6
+    max_proposals: int = 10
     """At most so many stretches are proposed at a lull."""
     gap_s: float = 0.5
     """A hole in the stream longer than this ends what was going on."""
@@ -121,7 +123,8 @@ class Segmenter:
         self.resting = True
 
     def _measure(self, pose: Pose) -> None:
-        relative = pose.joints - pose.hip_center
+        # Sideways and in depth the hips are the origin; in height they move too when a person sits or squats.
+        relative = pose.joints - pose.hip_center * _ACROSS
         if self._smooth is None:
             self._smooth = relative
             self._activity.append((pose.stamp_ns, 0.0))
