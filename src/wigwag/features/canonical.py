@@ -58,10 +58,12 @@ class CanonicalForm:
 
     def apply(self, clip: Clip) -> Canonical:
         """Return the canonical form of a clip."""
+        # Of one type whatever was handed in: for an integer among them, all would be compiled once more.
+        settings = (float(self.rate_hz), float(self.smooth_s), float(self.fine_smooth_s), float(self.trim))
         joints, trunk, duration_s = _canonical(
             np.ascontiguousarray(clip.joints, dtype=np.float64),
             clip.times_s,
-            (self.rate_hz, self.smooth_s, self.fine_smooth_s, self.trim),
+            settings,
             self.frames,
             self.origin == "drift",
         )
