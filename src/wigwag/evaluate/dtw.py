@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
@@ -11,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Float
+from numba.core.errors import NumbaWarning
 
 from wigwag.errors import InputError, MissingExtraError
 from wigwag.evaluate.dtw_libraries import (
@@ -194,7 +196,9 @@ def _truth(
 
 def _check(contender: Contender, nearest: bool, query: np.ndarray, truth: np.ndarray) -> float:
     """Return the largest relative difference of an answer from the truth."""
-    answer = contender.squares(contender.call(query))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NumbaWarning)  # about a peer's own code, while it is compiled
+        answer = contender.squares(contender.call(query))
     expected = truth.min(keepdims=True) if nearest else truth
     return float(np.max(np.abs(answer - expected) / np.maximum(expected, 1e-300)))
 

@@ -175,6 +175,6 @@ PEERS: tuple[Callable[[References, int | None], Contender], ...] = (aeon, aeon_v
 """All distances."""
 
 __all__ = [
-    "PEERS", "Contender", "References", "aeon", "aeon_view", "dtaidistance", "dtaidistance_nearest", "our_nearest",
-    "ours", "tslearn",
+    "PEERS", "Contender", "References", "aeon", "aeon_view", "dtaidistance", "dtaidistance_nearest",
+    "our_nearest", "ours", "tslearn",
 ]  # fmt: skip
