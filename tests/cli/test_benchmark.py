@@ -38,7 +38,7 @@ def test_utd_mhad_end_to_end(small: Path, tmp_path: Path, capsys: pytest.Capture
     rows = json.loads(file.read_text())
     assert [(row["recognizer"], row["protocol"]) for row in rows] == [
         (recognizer, protocol)
-        for recognizer in ("heavy", "encoded")
+        for recognizer in ("kernel", "kernel-fast", "heavy", "encoded")
         for protocol in ("random", "cross-subject", "loso")
     ]
     for row in rows:
@@ -51,7 +51,7 @@ def test_utd_mhad_end_to_end(small: Path, tmp_path: Path, capsys: pytest.Capture
         assert row["command"].startswith("wigwag benchmark utd-mhad --data ")
     assert (rows[1]["n_train"], rows[1]["n_test"]) == (24, 24)
     pictures = {p.name for p in out.iterdir()}
-    assert len(pictures) == 6
+    assert len(pictures) == 12
     assert "confusion_encoded_loso_6.png" in pictures
     assert cv2.imread(str(out / "confusion_heavy_random_6.png")) is not None
     said = capsys.readouterr().out

@@ -35,6 +35,8 @@ class UtdMhadBenchmark:
     """How many seeds: random splits, and runs of a recogniser that draws random numbers."""
     seed: int = 0
     """The first seed."""
+    nested: bool = False
+    """Let recognisers choose their settings by leaving out training people, inside every split."""
     out: Path | None = None
     """Folder for the confusion matrices as pictures."""
     json: Path | None = None
@@ -82,7 +84,7 @@ class UtdMhadBenchmark:
 
         groups = {"all": tuple(RECOGNIZERS), "baselines": tuple(BASELINES)}
         return [
-            Row(recognizer, protocol, classes)
+            Row(recognizer, protocol, classes, self.nested)
             for recognizer in groups.get(self.recognizer, (self.recognizer,))
             for protocol in PROTOCOLS
             for classes in CLASS_SETS

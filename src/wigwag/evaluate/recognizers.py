@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 from typing import Protocol as TypingProtocol
 
 from wigwag.errors import InputError
@@ -113,8 +114,17 @@ SEEDLESS: frozenset[str] = frozenset({"heavy", "classical", "schneider", "aeon-d
 """Recognisers that decide the same whatever the seed: where the split is fixed, one run says all."""
 
 
-def maker_of(recognizer: str) -> Callable[[int], Recognizer]:
+NESTED: tuple[str, ...] = ("k", "width", "ridge")
+"""Parameters that a recogniser chooses by leaving training people out if they are ``None``."""
+
+
+def maker_of(recognizer: str, nested: bool = False) -> Callable[[int], Recognizer]:
     """Return what makes a recogniser from a seed.
+
+    Args:
+        recognizer: A name of ``RECOGNIZERS`` or ``BASELINES``.
+        nested: Let it choose its settings inside its training people, where it can, instead of taking its
+            defaults.
 
     Raises:
         InputError: If there is no such recogniser.
@@ -122,7 +132,19 @@ def maker_of(recognizer: str) -> Callable[[int], Recognizer]:
     makers = RECOGNIZERS | BASELINES
     if recognizer not in makers:
         raise InputError(f"recognizer must be one of {', '.join(makers)}, but got {recognizer!r}.")
-    return makers[recognizer]
+    make = makers[recognizer]
+    return (lambda seed: _choosing(make(seed))) if nested else make
 
 
-__all__ = ["BASELINES", "RECOGNIZERS", "SEEDLESS", "Recognizer", "maker_of"]
+def _choosing(estimator: Any) -> Any:
+    known = estimator.get_params()
+    return estimator.set_params(**{name: None for name in NESTED if name in known})
+
+
+def chosen(estimator: Any) -> str:
+    """Say which settings a fitted recogniser has chosen for itself; empty if it has none to choose."""
+    found = [(name, getattr(estimator, f"{name}_", None)) for name in NESTED]
+    return ", ".join(f"{name} {value:g}" for name, value in found if value is not None)
+
+
+__all__ = ["BASELINES", "NESTED", "RECOGNIZERS", "SEEDLESS", "Recognizer", "chosen", "maker_of"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -28,7 +29,7 @@ from wigwag.evaluate.protocols import (
     of_classes,
     random_split,
 )
-from wigwag.evaluate.recognizers import BASELINES, RECOGNIZERS, SEEDLESS, Recognizer, maker_of
+from wigwag.evaluate.recognizers import BASELINES, RECOGNIZERS, SEEDLESS, Recognizer, chosen, maker_of
 from wigwag.evaluate.threads import one_thread
 from wigwag.skeleton import Clip
 
@@ -62,6 +63,8 @@ class Run:
     """Probability of the most probable class, a case; empty if the recogniser gives none."""
     sure_of_right: list[bool] = field(default_factory=list)
     """Whether that class is the right one."""
+    settings: str = ""
+    """What the recogniser chose for itself."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +77,8 @@ class Row:
     """How clips are parted."""
     classes: str
     """``"27"``, ``"6"`` or ``"7"``."""
+    nested: bool = False
+    """Whether the recogniser chooses its settings inside its training people."""
 
     def __str__(self) -> str:
         return f"{self.recognizer}, {self.protocol}, {self.classes} classes"
@@ -131,6 +136,10 @@ class Result:
             "cases": len(right),
             "ece": self._calibration_error(),
             "ece_adaptive": self._calibration_error(adaptive=True),
+            "nested": self.row.nested,
+            "settings": "; ".join(
+                f"{n} x {what}" for what, n in Counter(r.settings for r in self.runs).items()
+            ),
         }
 
     def _calibration_error(self, adaptive: bool = False) -> float | None:
@@ -207,7 +216,7 @@ def run_row(
                 if progress is not None:
                     progress(name, before + steps, total)
 
-            result.runs.append(run_split(kept, row.recognizer, split, seed, step))
+            result.runs.append(run_split(kept, row.recognizer, split, seed, step, nested=row.nested))
             done += 1 + len(split.test)
     return result
 
@@ -224,7 +233,13 @@ def warm_up(clips: Sequence[Clip], recognizer: str) -> None:
 
 
 def run_split(
-    clips: Sequence[Clip], recognizer: str, split: Split, seed: int, step: Callable[[int], object]
+    clips: Sequence[Clip],
+    recognizer: str,
+    split: Split,
+    seed: int,
+    step: Callable[[int], object],
+    *,
+    nested: bool = False,
 ) -> Run:
     """Fit to a split's training clips and decide its test clips one by one, timed from raw clip to label.
 
@@ -234,8 +249,9 @@ def run_split(
         split: Which clips are learned from, which are judged.
         seed: Of the recogniser.
         step: Called with the number of steps done; fitting is one, each case is one.
+        nested: Let the recogniser choose its settings inside its training people.
     """
-    estimator = maker_of(recognizer)(seed)
+    estimator = maker_of(recognizer, nested)(seed)
     step(0)
     start = time.perf_counter()
     estimator.fit([clips[i] for i in split.train])
@@ -261,6 +277,7 @@ def run_split(
         case_s=case_s,
         confidence=confidence,
         sure_of_right=sure_of_right,
+        settings=chosen(estimator),
     )
 
 
