@@ -41,7 +41,7 @@ def test_distances_are_symmetric_and_nothing_from_oneself():
 
 
 def test_projections_are_on_the_principal_directions():
-    similar, sides = taught(n_dims=5)
+    _, sides = taught(n_dims=5)
     raw = np.concatenate([views(FORM.apply(c))["positions"] for c in TRAIN]).astype(np.float64)
     centred = raw - raw.mean(axis=0)
     spreads = np.linalg.svd(centred, compute_uv=False)

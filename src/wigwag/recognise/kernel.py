@@ -292,6 +292,7 @@ class KernelRecognizer(Classifier):
 
         Raises:
             InputError: If there is no clip or the label is empty.
+            ModelError: If the file this was loaded from is gone or has been replaced.
             NotFittedError: Before ``fit``.
         """
         self._check_fitted()
@@ -326,6 +327,7 @@ class KernelRecognizer(Classifier):
 
         Raises:
             InputError: If there is no such gesture, or it is the only one.
+            ModelError: If the file this was loaded from is gone or has been replaced.
             NotFittedError: Before ``fit``.
         """
         self._check_fitted()
@@ -372,7 +374,7 @@ class KernelRecognizer(Classifier):
             return
         _, arrays = store.read(self._rows_in, type(self).__name__)
         with store.explained(self._rows_in):
-            if not np.array_equal(arrays["row_numbers"], self._row_numbers):
+            if not np.array_equal(arrays["weights"], self._weights):
                 raise InputError("it has been replaced since it was loaded; load it again")
             rows = [arrays[f"rows_{kind}"] for kind in self._similar.kinds]
             self._rows = [list(sides) for sides in zip(*rows, strict=True)]
@@ -383,6 +385,7 @@ class KernelRecognizer(Classifier):
         """Write the fitted recogniser to one file of arrays and JSON; an old file is replaced at once.
 
         Raises:
+            ModelError: If the file this was loaded from is gone or has been replaced.
             NotFittedError: Before ``fit``.
         """
         self._check_fitted()

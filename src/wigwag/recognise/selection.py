@@ -39,13 +39,11 @@ def choose(
         ridges: Candidates.
 
     Returns:
-        Width, ridge, and the log loss of every pair. With one person alone there is nothing to choose by:
-        the middle candidates and an empty dictionary.
+        Width, ridge, and the log loss of every pair. Where nobody can be left out whose gestures others
+        show too, there is nothing to choose by: the middle candidates and an empty dictionary.
     """
     folds = person_folds(people)
     losses: dict[tuple[float, float], float] = {}
-    if not folds:
-        return widths[len(widths) // 2], ridges[len(ridges) // 2], losses
     for width in widths:
         scores: dict[float, list[np.ndarray]] = {ridge: [] for ridge in ridges}
         truth: list[np.ndarray] = []
@@ -53,6 +51,8 @@ def choose(
             truth.append(numbers[shown])
             for ridge in ridges:
                 scores[ridge].append(answers[ridge])
+        if not truth:
+            return widths[len(widths) // 2], ridges[len(ridges) // 2], losses
         for ridge in ridges:
             losses[width, ridge] = _log_loss(np.concatenate(scores[ridge]), np.concatenate(truth))
     best = min(losses, key=lambda pair: losses[pair])
