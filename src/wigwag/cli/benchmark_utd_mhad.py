@@ -23,8 +23,8 @@ class UtdMhadBenchmark:
     data: Path
     """Folder with Skeleton.zip (or the zip file, or a folder with Skeleton/*.mat)."""
     recognizer: Literal[
-        "heavy", "encoded", "all", "classical", "schneider", "celebi", "rwigema", "aeon-dtw", "multirocket",
-        "baselines",
+        "kernel", "kernel-fast", "heavy", "encoded", "all", "classical", "schneider", "celebi", "rwigema",
+        "aeon-dtw", "multirocket", "baselines",
     ] = "all"  # fmt: skip
     """Which recogniser. all: wigwag's own; baselines: what others published, and libraries."""
     protocol: Literal["random", "cross-subject", "loso", "all"] = "all"
