@@ -131,13 +131,13 @@ class KernelRecognizer(Classifier):
                 out of range.
         """
         self._check_settings()
-        labels = labels_of(clips, y)
+        labels, similar = labels_of(clips, y), self._similarities()
         self.classes_ = np.array(sorted({label for label in labels if label is not None}))
         number = {str(label): i for i, label in enumerate(self.classes_)}
         self.numbers_ = np.array([BACKGROUND if label is None else number[label] for label in labels])
         self.names_ = [clip.name for clip in clips]
         rng = np.random.default_rng(self.random_state)
-        self._similar = self._similarities()
+        self._similar = similar
         sides = self._similar.fit(clips)
         self._similar.refer_to(sides)
         varied = [s for _ in range(self.copies) for s in self._varied(clips, rng)]
@@ -208,14 +208,19 @@ class KernelRecognizer(Classifier):
         Raises:
             NotFittedError: Before ``fit``.
         """
-        return np.asarray(self.classes_[self._scores(clips)[:, :-1].argmax(axis=1)])
+        decided = self._scores(clips)[:, :-1].argmax(axis=1)
+        return np.asarray(self.classes_[decided])
 
     def predict_proba(self, clips: Sequence[Clip]) -> Float[np.ndarray, "clips classes"]:
         """Return a probability for each gesture, given that it is one of them.
 
         Calibrated on training people who were left out.
+
+        Raises:
+            NotFittedError: Before ``fit``.
         """
-        return np.asarray(softmax(self.doubt_.temperature * self._scores(clips)[:, :-1], axis=1))
+        scores = self._scores(clips)[:, :-1]
+        return np.asarray(softmax(self.doubt_.temperature * scores, axis=1))
 
     def accept_score(self, clips: Sequence[Clip]) -> Float[np.ndarray, " clips"]:
         """Return the log odds that a clip truly shows the gesture it is most like; see ``recognise``."""
