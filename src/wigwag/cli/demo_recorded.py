@@ -27,46 +27,33 @@ COMMANDS_EACH, OTHERS_EACH = 10, 5
 
 
 def fly_recorded(demo: Demo, console: Console) -> dict[str, Any]:
-    """Show every recording of the six classes one by one, then fly a stream of commands."""
-    from wigwag.cli.demo import account_of, fly, load_recogniser, pose_estimator, write
-    from wigwag.datasets.utd_mhad import load_skeletons
+    """Show each of four people's recordings of the six classes one by one, then fly a stream of theirs."""
+    from wigwag.cli.demo import account_of, fly, write
     from wigwag.evaluate.flight import FlightLog, summarise
-    from wigwag.evaluate.lessons import warm_up
-    from wigwag.evaluate.recorded import SHOWN, load_person, teach_recorded
+    from wigwag.evaluate.recorded import SHOWN, load_person
     from wigwag.sim.script import ScriptConfig, plan_replays
 
     if demo.data is None:
         raise InputError("--motion utd-mhad needs --data: UTD-MHAD's folder (Skeleton.zip or Skeleton/).")
-    load_skeletons(demo.data, labels=("a1",))  # a wrong folder shows before anything is fetched or taught
-    with tempfile.TemporaryDirectory() as folder:
-        model, six = Path(folder) / "stream.wigwag", Path(folder) / "six.wigwag"
-        with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
-            taught = pool.submit(teach_recorded, demo.data, model, six, demo.recognizer)
-            warm = pool.submit(warm_up)
-            with console.status("Teaching six classes by the skeletons of subjects 1, 3, 5 and 7 ..."):
-                people = [load_person(demo.data, subject) for subject in SHOWN]
-                warm.result()
-                estimator = pose_estimator()
-                clips = taught.result()
-        recogniser = load_recogniser(demo.recognizer, model)
-        six_classes = load_recogniser(demo.recognizer, six)
-
+    recogniser, six_classes, estimator, clips = _taught(demo.data, demo.recognizer, console)
     answers: list[dict[str, Any]] = []
     stream = FlightLog()
     stills: list[Still] = []
+    standing = ScriptConfig(walk_share=0.0, drift_share=0.0)
     session: Session | None = None
-    for number, (person, items) in enumerate(people):
-        standing = ScriptConfig(walk_share=0.0, drift_share=0.0)
+    # One person's recordings and one world at a time: all of them together would take 150 MB more.
+    for number, subject in enumerate(SHOWN):
+        person, items = load_person(demo.data, subject)
         chosen = [item for item in items if item[2]]
-        console.print(f"{chosen[0][3]}: {len(chosen)} recordings one by one")
-        script = plan_replays(chosen, demo.seed, standing, shuffle=False)
+        mixed = choose(items, np.random.default_rng([0x3141, demo.seed, number]))
+        del items
+        console.print(f"{subject}: {len(chosen)} recordings one by one")
+        session, script = None, plan_replays(chosen, demo.seed, standing, shuffle=False)
         session = make_session(person, script, estimator, recogniser, demo.seed + number)
         fly(session, estimator, console, None)
         answers += one_by_one(session, six_classes)
-    for number, (person, items) in enumerate(people):
-        mixed = choose(items, np.random.default_rng([0x3141, demo.seed, number]))
-        console.print(f"{mixed[0][3]}: a stream of {len(mixed)} recordings, walking between")
-        script = plan_replays(mixed, demo.seed + number)
+        console.print(f"{subject}: a stream of {len(mixed)} recordings, walking between")
+        session, script = None, plan_replays(mixed, demo.seed + number)
         session = make_session(person, script, estimator, recogniser, 100 + demo.seed + number)
         film = demo.out / "demo.mp4" if demo.film and number == 0 else None
         stills += fly(session, estimator, console, film)[:12]
@@ -86,6 +73,27 @@ def fly_recorded(demo: Demo, console: Console) -> dict[str, Any]:
     session.log = stream
     write(demo, session, summary, stills)
     return summary
+
+
+def _taught(data: Path, recognizer: str, console: Console) -> tuple[Any, Any, PoseEstimator, int]:
+    """Return a recogniser for the stream, one of the six classes alone, the pose chain, and clips taught."""
+    from wigwag.cli.demo import load_recogniser, pose_estimator
+    from wigwag.datasets.utd_mhad import load_skeletons
+    from wigwag.evaluate.lessons import warm_up
+    from wigwag.evaluate.recorded import teach_recorded
+
+    load_skeletons(data, labels=("a1",))  # a wrong folder shows before anything is fetched or taught
+    with tempfile.TemporaryDirectory() as folder:
+        model, six = Path(folder) / "stream.wigwag", Path(folder) / "six.wigwag"
+        with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
+            taught = pool.submit(teach_recorded, data, model, six, recognizer)
+            warm = pool.submit(warm_up)
+            with console.status("Teaching six classes by the skeletons of subjects 1, 3, 5 and 7 ..."):
+                warm.result()
+                estimator = pose_estimator()
+                clips = taught.result()
+        stream, closed = (load_recogniser(recognizer, file) for file in (model, six))
+    return stream, closed, estimator, clips
 
 
 def make_session(

@@ -108,7 +108,8 @@ def replay(
     sunk = [_sunk_m(table, row) for row in (0, -1)]
     blends = [max(blend_s, 1.875 * depth / _SINKING_M_S) for depth in sunk]  # min-jerk peaks at 1.875 x mean
     holds = [settle_s if depth > 0.12 else 0.0 for depth in sunk]
-    return Replay(name, np.asarray(table), (blends[0], blends[1]), (holds[0], holds[1]))
+    # Half the memory: a person has a hundred of them.
+    return Replay(name, table.astype(np.float32), (blends[0], blends[1]), (holds[0], holds[1]))
 
 
 def _sunk_m(table: Float[np.ndarray, "rows 20 3"], row: int) -> float:

@@ -94,24 +94,22 @@ def _noise(rng: np.random.Generator, side: int, slope: float) -> Float32[np.ndar
 
 
 def _ground(rng: np.random.Generator, kind: str) -> Mipmap:
-    patches, grain = _noise(rng, _SIDE, 1.6)[..., None], _noise(rng, _SIDE, 0.35)[..., None]
+    patches, grain = _noise(rng, _SIDE, 1.6), _noise(rng, _SIDE, 0.35)
     if kind == "gravel":
         base, wide, fine = (134, 128, 118), (9, 9, 9), (20, 19, 18)
     else:
         base, wide, fine = (104, 122, 68), (13, 8, 7), (15, 17, 11)
-    base, wide, fine = np.asarray((base, wide, fine), dtype=np.float32)
-    image = np.clip(base + wide * patches + fine * grain, 0, 255)
-    levels, starts, at = [], [], 0
-    while len(image) >= 1:
-        c = np.round(image).astype(np.uint32)
-        levels.append((c[..., 0] | (c[..., 1] << 8) | (c[..., 2] << 16)).ravel())
-        starts.append(at)
-        at += levels[-1].size
-        if len(image) == 1:
-            break
-        image = (image[::2, ::2] + image[1::2, ::2] + image[::2, 1::2] + image[1::2, 1::2]) / 4
+    sides = [_SIDE >> level for level in range(_SIDE.bit_length())]
+    levels = [np.zeros((side, side), np.uint32) for side in sides]
+    for channel in range(3):  # one at a time: together they would be the most memory of a whole flight
+        image = np.clip(base[channel] + wide[channel] * patches + fine[channel] * grain, 0, 255)
+        for level in levels:
+            np.bitwise_or(level, np.round(image).astype(np.uint32) << (8 * channel), out=level)
+            if len(image) > 1:
+                image = (image[::2, ::2] + image[1::2, ::2] + image[::2, 1::2] + image[1::2, 1::2]) / 4
     # One more entry tells the kernel the size of the largest level.
-    return Mipmap(np.concatenate(levels).astype(np.uint32), np.array([*starts, at]), _TEXEL_M)
+    starts = np.cumsum([0, *(side * side for side in sides)])
+    return Mipmap(np.concatenate([level.ravel() for level in levels]), starts, _TEXEL_M)
 
 
 def _sky() -> Float32[np.ndarray, "64 3"]:
