@@ -31,3 +31,25 @@ def test_a_page_without_markers_is_left_alone(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="markers"):
         fill(page, {})
     assert page.read_text("utf-8") == "nothing here"
+
+
+def test_an_unknown_table_is_refused(tmp_path: Path) -> None:
+    page = tmp_path / "README.md"
+    page.write_text(f"{BEGIN}\n{END}\n", "utf-8")
+    with pytest.raises(InputError, match="Available tables: demo, utd"):
+        fill(page, {"nonsense": []})
+
+
+def test_rejection_is_averaged_over_draws_and_nothing_else(tmp_path: Path) -> None:
+    page, records = tmp_path / "page.md", tmp_path / "reject.json"
+    page.write_text(f"{BEGIN}\n{END}\n", "utf-8")
+    one = {
+        "recognizer": "kernel", "known": 6, "unknown": 21, "background": "other classes", "auroc": 0.99,
+        "false_accept_at_95": 0.02, "true_accept_at_threshold": 0.96, "false_accept_at_threshold": 0.01,
+    }  # fmt: skip
+    other = one | {"known": 21, "unknown": 6, "auroc": 0.5}
+    records.write_text(json.dumps([one, one | {"false_accept_at_95": 0.04}, other]))
+    fill(page, {"reject": [records]})
+    text = page.read_text("utf-8")
+    assert "| kernel | 6 / 21 | other classes | 99.0 | 3.0 | 96.0 | 1.0 | 2 |" in text
+    assert "| kernel | 21 / 6 | other classes | 50.0 |" in text

@@ -1,14 +1,14 @@
-"""Tables of the README, generated from what the commands wrote.
+"""Tables of the README and the docs, generated from what the commands wrote.
 
-Run ``python -m wigwag.evaluate.tables README.md utd=utd.json lift=lift.json demo=a.json,b.json`` to write
-them between the README's markers.
+Run ``python -m wigwag.evaluate.tables README.md demo=a.json,b.json utd=utd.json lift=lift.json`` to write
+them between the page's markers.
 """
 
 from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +36,7 @@ def recognition_table(records: Sequence[Mapping[str, Any]]) -> str:
         paper = PAPER.get((r["recognizer"], classes), "") if r["protocol"] == "random" else ""
         lines.append(
             f"| {r['recognizer']} | {r['protocol']} | {classes} | {100 * r['accuracy_mean']:.2f} "
-            f"({low:.1f} to {high:.1f}) | {100 * r['macro_f1_mean']:.2f} | {r['ms_per_case_median']:.1f} | "
+            f"({low:.1f} to {high:.1f}) | {100 * r['macro_f1_mean']:.2f} | {r['ms_per_case_median']:.2f} | "
             f"{r['seeds']} | {paper} |"
         )
     return "\n".join(lines)
@@ -82,40 +82,151 @@ def demo_table(summaries: Sequence[Mapping[str, Any]]) -> str:
     return "\n".join(lines)
 
 
-def fill(readme: Path, parts: Mapping[str, Sequence[Path]]) -> None:
-    """Write the tables between the README's markers.
+def few_shot_table(records: Sequence[Mapping[str, Any]]) -> str:
+    """Return the table of ``wigwag benchmark few-shot``."""
+    lines = [
+        "| recogniser | whose examples | a gesture | accuracy, % (95 % interval) | enrol, ms | draws |",
+        "|---|---|---|---|---|---|",
+    ]
+    for r in records:
+        low, high = (100 * float(v) for v in r["accuracy_ci95"])
+        enrol = "" if r["enrol_ms_median"] is None else f"{r['enrol_ms_median']:.0f}"
+        lines.append(
+            f"| {r['recognizer']} | {r['setting']} | {r['examples']} | {100 * r['accuracy_mean']:.2f} "
+            f"({low:.1f} to {high:.1f}) | {enrol} | {r['draws']} |"
+        )
+    return "\n".join(lines)
+
+
+def reject_table(records: Sequence[Mapping[str, Any]]) -> str:
+    """Return the table of ``wigwag benchmark reject``: means over draws of which gestures are known."""
+    lines = [
+        "| recogniser | known / unknown | taught as no gesture | AUROC, % | false accepts at 95 % true, % "
+        "| at its own threshold: true, % | false, % | draws |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    settings = dict.fromkeys((r["recognizer"], r["known"], r["unknown"], r["background"]) for r in records)
+    figures = ("auroc", "false_accept_at_95", "true_accept_at_threshold", "false_accept_at_threshold")
+    for setting in settings:
+        draws = [
+            r for r in records if (r["recognizer"], r["known"], r["unknown"], r["background"]) == setting
+        ]
+        means = [100 * sum(float(r[f]) for r in draws) / len(draws) for f in figures]
+        name, known, unknown, background = setting
+        shown = " | ".join(f"{mean:.1f}" for mean in means)
+        lines.append(f"| {name} | {known} / {unknown} | {background} | {shown} | {len(draws)} |")
+    return "\n".join(lines)
+
+
+def transfer_table(records: Sequence[Mapping[str, Any]]) -> str:
+    """Return the table of ``wigwag benchmark transfer``."""
+    lines = [
+        "| recogniser | accuracy, % (95 % interval) | macro F1, % | ms a case | fit, s | seeds |",
+        "|---|---|---|---|---|---|",
+    ]
+    for r in records:
+        low, high = (100 * float(v) for v in r["accuracy_ci95"])
+        lines.append(
+            f"| {r['recognizer']} | {100 * r['accuracy_mean']:.2f} ({low:.1f} to {high:.1f}) | "
+            f"{100 * r['macro_f1_mean']:.2f} | {r['ms_per_case_median']:.2f} | {r['fit_s']:.1f} | {r['seeds']} |"
+        )
+    return "\n".join(lines)
+
+
+def dtw_table(records: Sequence[Mapping[str, Any]]) -> str:
+    """Return the table of ``wigwag benchmark dtw``."""
+    lines = ["| case | library | ms a query | times ours |", "|---|---|---|---|"]
+    lines += [
+        f"| {r['case']} | {r['library']} | {r['ms_per_query_median']:.3f} | {r['times_ours']:.1f} |"
+        for r in records
+    ]
+    return "\n".join(lines)
+
+
+def gallery_table(records: Sequence[Mapping[str, Any]]) -> str:
+    """Return the table of ``wigwag benchmark gallery``."""
+    lines = [
+        "| enrolled clips | ms a query (median) | p95 | recall of the true nearest, % | DTW on all, ms |",
+        "|---|---|---|---|---|",
+    ]
+    lines += [
+        f"| {r['size']:,} | {r['ms_per_query_median']:.2f} | {r['ms_per_query_p95']:.2f} | "
+        f"{100 * r['recall']:.1f} | {r['ms_exact_median']:.1f} |"
+        for r in records
+    ]
+    return "\n".join(lines)
+
+
+Records = Sequence[Mapping[str, Any]]
+
+PARTS: dict[str, tuple[str, Callable[[Records], str]]] = {
+    "demo": ("The whole chain, simulated (`wigwag demo --seed N`):", demo_table),
+    "utd": (
+        "UTD-MHAD skeletons (`wigwag benchmark utd-mhad --data DIR --json FILE`), one thread, from a raw clip "
+        "to a label. On the random split every test person is also in training; cross-subject and "
+        "leave-one-subject-out meet people never seen:",
+        recognition_table,
+    ),
+    "lift": (
+        "Lifting on UTD-MHAD's real Kinect depth (`wigwag benchmark lift --data DIR --json FILE`), "
+        "offsets fitted on subjects 1, 3, 5, 7 and judged on 2, 4, 6, 8:",
+        lift_table,
+    ),
+    "few-shot": (
+        "Few examples (`wigwag benchmark few-shot --data DIR --json FILE`), UTD-MHAD, 27 classes, test people "
+        "2, 4, 6, 8. `others`: so many examples a gesture from people 1, 3, 5, 7; `own+others`: everything "
+        "from those, and so many of the person's own, enrolled; `own`: the person's own alone:",
+        few_shot_table,
+    ),
+    "reject": (
+        "Saying no (`wigwag benchmark reject --data DIR --json FILE`), UTD-MHAD, taught by people 1, 3, 5, 7, "
+        "judged on 2, 4, 6, 8:",
+        reject_table,
+    ),
+    "transfer": (
+        "Another data set, no setting touched (`wigwag benchmark transfer --data DIR --json FILE`): "
+        "MSR-Action3D, odd subjects, 20 actions, leaving one person out:",
+        transfer_table,
+    ),
+    "dtw": (
+        "Dynamic time warping of one query against 688 references of 64 frames, one thread, the libraries in "
+        "turn in one process (`wigwag benchmark dtw --data DIR --json FILE`):",
+        dtw_table,
+    ),
+    "gallery": (
+        "A growing gallery (`wigwag benchmark gallery --data DIR --json FILE`), varied copies of UTD-MHAD's "
+        "training clips, queries by its test clips:",
+        gallery_table,
+    ),
+}
+"""What can stand between the markers: its heading line, and what lays its records out."""
+
+
+def fill(page: Path, parts: Mapping[str, Sequence[Path]]) -> None:
+    """Write tables between a page's markers, in the order they are named.
 
     Args:
-        readme: The page.
-        parts: Files under the names ``utd``, ``lift`` and ``demo``; what is absent is left out.
+        page: A Markdown page.
+        parts: Names of ``PARTS`` and the files their records are in, joined in that order.
 
     Raises:
-        InputError: If the markers are missing.
+        InputError: If the markers are missing, or there is no such part.
     """
-    page = readme.read_text("utf-8")
-    if BEGIN not in page or END not in page:
-        raise InputError(f"{readme}: expected the markers {BEGIN} and {END}, but they are not there.")
+    text = page.read_text("utf-8")
+    if BEGIN not in text or END not in text:
+        raise InputError(f"{page}: expected the markers {BEGIN} and {END}, but they are not there.")
     sections = []
-    if files := parts.get("demo"):
-        table = demo_table([json.loads(f.read_text("utf-8")) for f in files])
-        sections.append(f"The whole chain, simulated (`wigwag demo --seed N`):\n\n{table}")
-    if files := parts.get("utd"):
-        records = json.loads(files[0].read_text("utf-8"))
-        note = (
-            "UTD-MHAD skeletons (`wigwag benchmark utd-mhad --data DIR --json FILE`), one thread, from "
-            "a raw clip to a label. On the random split every test person is also in training; cross-subject "
-            "and leave-one-subject-out meet people never seen:"
-        )
-        sections.append(f"{note}\n\n{recognition_table(records)}")
-    if files := parts.get("lift"):
-        records = json.loads(files[0].read_text("utf-8"))
-        note = (
-            "Lifting on UTD-MHAD's real Kinect depth (`wigwag benchmark lift --data DIR --json FILE`), "
-            "offsets fitted on subjects 1, 3, 5, 7 and judged on 2, 4, 6, 8:"
-        )
-        sections.append(f"{note}\n\n{lift_table(records)}")
-    before, after = page[: page.index(BEGIN)], page[page.index(END) :]
-    readme.write_text(before + BEGIN + "\n" + "\n\n".join(sections) + "\n" + after, encoding="utf-8")
+    for name, files in parts.items():
+        if name not in PARTS:
+            raise InputError(f"There is no table {name!r}. Available tables: {', '.join(PARTS)}.")
+        note, lay_out = PARTS[name]
+        read = [json.loads(f.read_text("utf-8")) for f in files]
+        records = [
+            record for content in read for record in (content if isinstance(content, list) else [content])
+        ]
+        sections.append(f"{note}\n\n{lay_out(records)}")
+    before, after = text[: text.index(BEGIN)], text[text.index(END) :]
+    page.write_text(before + BEGIN + "\n" + "\n\n".join(sections) + "\n" + after, encoding="utf-8")
 
 
 if __name__ == "__main__":
