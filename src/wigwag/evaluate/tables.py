@@ -128,7 +128,8 @@ def transfer_table(records: Sequence[Mapping[str, Any]]) -> str:
         low, high = (100 * float(v) for v in r["accuracy_ci95"])
         lines.append(
             f"| {r['recognizer']} | {100 * r['accuracy_mean']:.2f} ({low:.1f} to {high:.1f}) | "
-            f"{100 * r['macro_f1_mean']:.2f} | {r['ms_per_case_median']:.2f} | {r['fit_s']:.1f} | {r['seeds']} |"
+            f"{100 * r['macro_f1_mean']:.2f} | {r['ms_per_case_median']:.2f} | {r['fit_s']:.1f} | "
+            f"{r['seeds']} |"
         )
     return "\n".join(lines)
 
@@ -162,8 +163,8 @@ Records = Sequence[Mapping[str, Any]]
 PARTS: dict[str, tuple[str, Callable[[Records], str]]] = {
     "demo": ("The whole chain, simulated (`wigwag demo --seed N`):", demo_table),
     "utd": (
-        "UTD-MHAD skeletons (`wigwag benchmark utd-mhad --data DIR --json FILE`), one thread, from a raw clip "
-        "to a label. On the random split every test person is also in training; cross-subject and "
+        "UTD-MHAD skeletons (`wigwag benchmark utd-mhad --data DIR --json FILE`), one thread, from a raw "
+        "clip to a label. On the random split every test person is also in training; cross-subject and "
         "leave-one-subject-out meet people never seen:",
         recognition_table,
     ),
@@ -173,14 +174,14 @@ PARTS: dict[str, tuple[str, Callable[[Records], str]]] = {
         lift_table,
     ),
     "few-shot": (
-        "Few examples (`wigwag benchmark few-shot --data DIR --json FILE`), UTD-MHAD, 27 classes, test people "
-        "2, 4, 6, 8. `others`: so many examples a gesture from people 1, 3, 5, 7; `own+others`: everything "
-        "from those, and so many of the person's own, enrolled; `own`: the person's own alone:",
+        "Few examples (`wigwag benchmark few-shot --data DIR --json FILE`), UTD-MHAD, 27 classes, test "
+        "people 2, 4, 6, 8. `others`: so many examples a gesture from people 1, 3, 5, 7; `own+others`: "
+        "everything from those, and so many of the person's own, enrolled; `own`: the person's own alone:",
         few_shot_table,
     ),
     "reject": (
-        "Saying no (`wigwag benchmark reject --data DIR --json FILE`), UTD-MHAD, taught by people 1, 3, 5, 7, "
-        "judged on 2, 4, 6, 8:",
+        "Saying no (`wigwag benchmark reject --data DIR --json FILE`), UTD-MHAD, taught by people 1, 3, 5, "
+        "7, judged on 2, 4, 6, 8:",
         reject_table,
     ),
     "transfer": (
