@@ -29,6 +29,11 @@ def test_what_decides_and_what_parses_does_not_wait_for_what_teaches_and_draws(m
     assert {"sklearn", "numba", "cv2", "matplotlib", "rotorpy"} & set(loaded) == set()
 
 
+def test_recognising_does_not_wait_for_what_only_teaching_elsewhere_and_drawing_need() -> None:
+    loaded = json.loads(fresh("import wigwag.recognise, sys, json; print(json.dumps(list(sys.modules)))"))
+    assert {"sklearn", "cv2", "matplotlib", "rotorpy", "scipy.optimize"} & set(loaded) == set()
+
+
 def test_importing_wigwag_is_quick() -> None:
     """Processor time, the least of three: below half a second on a desk machine, twice that anywhere."""
 

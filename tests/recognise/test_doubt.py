@@ -251,6 +251,20 @@ def test_the_threshold_is_chosen_on_people_left_out_not_on_those_taught():
     assert np.mean(doubt.acceptance.score(signs[right]) < doubt.acceptance.threshold_) < 0.25
 
 
+@pytest.mark.parametrize("background", [0, 2])
+def test_each_clip_is_left_out_with_its_person_once_known_and_once_unknown(background, monkeypatch):
+    seen = []
+    fit = Acceptance.fit
+    monkeypatch.setattr(Acceptance, "fit", lambda self, trials: (seen.append(trials), fit(self, trials))[1])
+    Doubt(0.05).fit(*lesson(4, 6, 4, spread=0.2, background=background))
+    signs, right = np.concatenate(seen[0].signs), np.concatenate(seen[0].right)
+    # Twice each, with its person alone and with half of the people: 48 clips of gestures, easy to tell
+    # when they are known; what is no gesture is never right.
+    assert right.sum() == 2 * 48
+    assert (~right).sum() == 2 * 48 + 2 * 8 * background
+    assert np.median(signs[right, 0]) > np.median(signs[~right, 0]) + 0.5
+
+
 def test_a_gesture_more_or_less():
     doubt = Doubt(0.05).fit(*lesson(0, 4, 3))
     before = doubt.typical.copy()
