@@ -122,14 +122,15 @@ class UtdMhadBenchmark:
                     record = records.add(**result.record(self.seed))
                     console.print(f"{name}: {100 * record['accuracy_mean']:.2f} % right", highlight=False)
                     if self.out is not None:
-                        _draw(result, self.out)
+                        _draw(result, clips, self.out)
                 bar.remove_task(task)
                 bar.advance(whole)
         return failed
 
 
-def _draw(result: Result, folder: Path) -> None:
+def _draw(result: Result, clips: list[Clip], folder: Path) -> None:
     from wigwag.datasets.utd_mhad import ACTIONS
+    from wigwag.evaluate.confused import draw_confused
     from wigwag.evaluate.metrics import draw_confusion
     from wigwag.evaluate.protocols import CLASS_SETS
 
@@ -141,6 +142,8 @@ def _draw(result: Result, folder: Path) -> None:
         f"UTD-MHAD: {row}",
         folder / f"confusion_{row.recognizer}_{row.protocol}_{row.classes}.png",
     )
+    confused = folder / f"confused_{row.recognizer}_{row.protocol}_{row.classes}.png"
+    draw_confused(result, clips, ACTIONS, confused)
 
 
 def _table(rows: list[dict[str, Any]]) -> Table:
