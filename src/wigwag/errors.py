@@ -17,6 +17,10 @@ class ModelError(WigwagError):
     """A model file is missing, damaged or of another version."""
 
 
+class CameraError(WigwagError):
+    """A camera cannot be opened, was lost, or gives no pictures."""
+
+
 class MissingExtraError(WigwagError, ImportError):
     """An optional part is not installed; the message names the extra that brings it."""
 

@@ -1,10 +1,8 @@
-"""One picture with its depth, and what a camera is."""
+"""One picture with its depth, and the pinhole it was seen through."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from jaxtyping import Float, UInt8, UInt16
@@ -84,11 +82,3 @@ class Frame:
                 f"Frame.depth_mm must be uint16 with the picture's shape {rgb.shape[:2]}, "
                 f"but got {depth.dtype} {depth.shape}. Align depth to colour first."
             )
-
-
-class Camera(Protocol):
-    """Anything that yields frames in order of time."""
-
-    def __iter__(self) -> Iterator[Frame]:
-        """Yield frames until the source ends."""
-        ...
