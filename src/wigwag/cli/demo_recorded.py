@@ -30,7 +30,7 @@ def fly_recorded(demo: Demo, console: Console) -> dict[str, Any]:
     """Show each of four people's recordings of the six classes one by one, then fly a stream of theirs."""
     from wigwag.cli.demo import account_of, fly, write
     from wigwag.evaluate.flight import FlightLog, summarise
-    from wigwag.evaluate.recorded import SHOWN, load_person
+    from wigwag.evaluate.recorded import SHOWN
     from wigwag.sim.script import ScriptConfig, plan_replays
 
     if demo.data is None:
@@ -43,10 +43,8 @@ def fly_recorded(demo: Demo, console: Console) -> dict[str, Any]:
     session: Session | None = None
     # One person's recordings and one world at a time: all of them together would take 150 MB more.
     for number, subject in enumerate(SHOWN):
-        person, items = load_person(demo.data, subject)
-        chosen = [item for item in items if item[2]]
-        mixed = choose(items, np.random.default_rng([0x3141, demo.seed, number]))
-        del items
+        with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+            person, chosen, mixed = pool.submit(shown_by, demo.data, subject, [demo.seed, number]).result()
         console.print(f"{subject}: {len(chosen)} recordings one by one")
         session, script = None, plan_replays(chosen, demo.seed, standing, shuffle=False)
         session = make_session(person, script, estimator, recogniser, demo.seed + number)
@@ -82,10 +80,11 @@ def _taught(data: Path, recognizer: str, console: Console) -> tuple[Any, Any, Po
     from wigwag.evaluate.lessons import warm_up
     from wigwag.evaluate.recorded import teach_recorded
 
-    load_skeletons(data, labels=("a1",))  # a wrong folder shows before anything is fetched or taught
     with tempfile.TemporaryDirectory() as folder:
         model, six = Path(folder) / "stream.wigwag", Path(folder) / "six.wigwag"
         with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
+            # A wrong folder shows before anything is fetched or taught.
+            pool.submit(load_skeletons, data, labels=("a1",)).result()
             taught = pool.submit(teach_recorded, data, model, six, recognizer)
             warm = pool.submit(warm_up)
             with console.status("Teaching six classes by the skeletons of subjects 1, 3, 5 and 7 ..."):
@@ -94,6 +93,18 @@ def _taught(data: Path, recognizer: str, console: Console) -> tuple[Any, Any, Po
                 clips = taught.result()
         stream, closed = (load_recogniser(recognizer, file) for file in (model, six))
     return stream, closed, estimator, clips
+
+
+def shown_by(data: Path, subject: str, seed: list[int]) -> tuple[Person, list[Item], list[Item]]:
+    """Return one subject's body, their recordings of the six classes, and those of their stream.
+
+    Runs in a process of its own, which takes what reading a hundred recordings needs of memory with it.
+    """
+    from wigwag.evaluate.recorded import load_person
+
+    person, items = load_person(data, subject)
+    mixed = choose(items, np.random.default_rng([0x3141, *seed]))
+    return person, [item for item in items if item[2]], mixed
 
 
 def make_session(
