@@ -307,14 +307,14 @@ class KernelRecognizer(Classifier):
         if not isinstance(label, str) or not label:
             raise InputError(f"enrol needs a gesture's name, but got {label!r}.")
         self._ready_to_learn()
+        sides = [self._similar.sides(clip) for clip in clips]  # what can go wrong comes before any change
+        rng = np.random.default_rng([self.random_state, len(self._rows)])
+        rows = sides + [s for _ in range(max(self.copies, 1)) for s in self._varied(clips, rng)]
         if label not in self.classes_:
             self.classes_ = np.append(self.classes_, label)
             self._ridge.add_target(len(self.classes_) - 1)
             self.doubt_.add_gesture()
         number = int(np.flatnonzero(self.classes_ == label)[0])
-        sides = [self._similar.sides(clip) for clip in clips]
-        rng = np.random.default_rng([self.random_state, len(self._rows)])
-        rows = sides + [s for _ in range(max(self.copies, 1)) for s in self._varied(clips, rng)]
         self._ridge.add_features(self._columns(sides))
         self._similar.add(sides)
         self.numbers_ = np.append(self.numbers_, [number] * len(clips))
