@@ -32,6 +32,18 @@ def test_distances_are_those_of_dtw_view_by_view():
             assert found[i, v] == pytest.approx(dtw(sides[4][v], sides[i][v], band=1), rel=1e-4, abs=1e-4)
 
 
+def test_the_band_bounds_the_warping():
+    similar, sides = taught()
+    late = [
+        np.roll(side, 3, axis=0) for side in sides[4]
+    ]  # three frames late, which one frame cannot make up
+    found = similar.distances(late)[4]
+    for v in range(3):
+        one, wide = (dtw(late[v], sides[4][v], band=band) for band in (1, 6))
+        assert found[v] == pytest.approx(one, rel=1e-4)
+        assert wide < 0.9 * one
+
+
 def test_distances_are_symmetric_and_nothing_from_oneself():
     similar, sides = taught()
     distances = np.stack([similar.distances(s) for s in sides])
