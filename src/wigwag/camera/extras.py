@@ -1,0 +1,28 @@
+"""Parts of wigwag that are installed when asked for."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from wigwag.errors import MissingExtraError
+
+
+def load(module: str, extra: str, what: str) -> Any:
+    """Import a module that an extra brings.
+
+    Args:
+        module: Its import name.
+        extra: Of wigwag.
+        what: What needs it; begins the error message.
+
+    Raises:
+        MissingExtraError: If it is not installed or does not load.
+    """
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise MissingExtraError(
+            f"{what} needs the package {module.partition('.')[0]}, which cannot be imported ({error}). "
+            f"Install it with: python -m pip install 'wigwag[{extra}]'"
+        ) from error
