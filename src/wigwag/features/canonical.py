@@ -36,8 +36,11 @@ class CanonicalForm:
     """Standard deviation of the Gaussian over each coordinate, seconds."""
     fine_smooth_s: float = 0.05
     """The same for the trunk's own small movements, whose rhythm the wider one blurs."""
-    trim: float = 0.15
-    """Rest is cut off at both ends, where the fastest joints stay below this share of their top speed."""
+    trim: float = 0.25
+    """Rest is cut off at both ends, where the fastest joints stay below this share of their top speed.
+
+    Between people, the hesitant beginning and end differ most: on training people of UTD-MHAD, two against
+    two, the log loss is 0.062, 0.058, 0.054 and 0.069 at 0.15, 0.2, 0.25 and 0.3."""
     frames: int = 24
     """Frames in all, evenly over the movement."""
     origin: Literal["start", "drift"] = "start"
