@@ -98,9 +98,12 @@ class LiveCamera:
             return self._over and self._newest is None
 
     def __iter__(self) -> Iterator[Frame]:
-        while not self.ended:
+        while True:
+            over = self.ended  # asked first, so that a failure in between is raised by the next turn
             if (frame := self.latest()) is not None:
                 yield frame
+            elif over:
+                return
 
     def latest(self, timeout_s: float = 1.0) -> Frame | None:
         """Return the newest frame that was not handed on yet; what came before it is skipped.
