@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from wigwag.recognise.acceptance import BACKGROUND, N_SIGNS, Acceptance, Trials, nearest_of_each, signs_of
 from wigwag.recognise.doubt import Doubt, targets_of
+from wigwag.recognise.ridge import normal_matrices, solve_apart
 
 REFERENCES_A_CLIP = 7
 
@@ -15,7 +16,7 @@ def trials(seed: int = 0, right: int = 400, wrong: int = 200, lead: float = 2.0)
     """Signs of right decisions stand higher than those of wrong ones; one sign says nothing."""
     rng = np.random.default_rng(seed)
     found = Trials()
-    found.add(rng.normal([lead, lead, lead, 0], 1, (right, N_SIGNS)), np.ones(right, dtype=bool))
+    found.add(rng.normal([lead, lead, lead, 0, lead, lead], 1, (right, N_SIGNS)), np.ones(right, dtype=bool))
     found.add(rng.normal(0, 1, (wrong, N_SIGNS)), np.zeros(wrong, dtype=bool))
     return found
 
@@ -26,17 +27,20 @@ def trials(seed: int = 0, right: int = 400, wrong: int = 200, lead: float = 2.0)
 def test_signs_are_score_leads_and_nearness():
     scores = np.array([[0.8, -0.5, -0.9], [-0.7, -0.2, -0.4]])
     near = np.array([[1.0, 5.0, 9.0], [5.0, 4.0, 3.0]])
-    decided, signs = signs_of(scores, np.array([-1.0, 0.1]), near, np.array([2.0, 2.0, 2.0]))
+    apart = np.array([[0.6, -0.3, -0.1], [0.4, -0.5, -0.6]])  # of the second clip, views differ in opinion
+    decided, signs = signs_of(scores, np.array([-1.0, 0.1]), near, np.array([2.0, 2.0, 2.0]), apart)
     assert decided.tolist() == [0, 1]
-    np.testing.assert_allclose(signs[0], [0.8, 1.3, 1.8, np.log(2)])
-    np.testing.assert_allclose(signs[1], [-0.2, 0.2, -0.3, -np.log(2)])
+    np.testing.assert_allclose(signs[0], [0.8, 1.3, 1.8, np.log(2), 0.6, 0.7])
+    np.testing.assert_allclose(signs[1], [-0.2, 0.2, -0.3, -np.log(2), -0.5, -0.9])
 
 
 def test_nearness_is_bounded_and_one_class_leads_over_nobody():
     near = np.array([[0.0], [1e9]])
-    _, signs = signs_of(np.array([[1.0], [0.5]]), np.array([-1.0, -1.0]), near, np.array([1.0]))
+    scores = np.array([[1.0], [0.5]])
+    _, signs = signs_of(scores, np.array([-1.0, -1.0]), near, np.array([1.0]), scores - 0.25)
     np.testing.assert_allclose(signs[:, 3], [3, -3])
     np.testing.assert_allclose(signs[:, 1], [2, 1.5])
+    np.testing.assert_allclose(signs[:, 5], [1.75, 1.25])
 
 
 def test_nearest_of_each_gesture_and_of_no_background():
@@ -99,14 +103,14 @@ def test_no_sign_ever_speaks_against_itself(seed, right, wrong, lead):
 
 def test_signs_that_mislead_get_no_weight():
     acceptance = Acceptance().fit(trials(lead=-2.0))
-    assert acceptance.weights_[:3] == pytest.approx([0, 0, 0], abs=1e-6)
+    assert acceptance.weights_[[0, 1, 2, 4, 5]] == pytest.approx(np.zeros(5), abs=1e-6)
 
 
 def test_both_outcomes_count_alike_however_many_there_were():
     few, many = Acceptance().fit(trials(wrong=100)), Acceptance().fit(trials(wrong=4000))
-    signs = np.array([[1.0, 1.0, 1.0, 0.0]])  # half way
+    signs = np.array([[1.0, 1.0, 1.0, 0.0, 1.0, 1.0]])  # half way
     assert few.score(signs)[0] == pytest.approx(many.score(signs)[0], abs=0.5)
-    assert abs(few.score(signs)[0]) < 0.5
+    assert abs(few.score(signs)[0]) < 0.6
 
 
 @pytest.mark.parametrize("count", [1, 2, 20])
@@ -130,9 +134,9 @@ def test_where_everything_was_wrong_only_what_beats_it_is_accepted(count):
 def test_trials_that_came_out_alike_make_no_cliff():
     """Bug: two trials with the same signs, and log odds were in millions."""
     seen = Trials()
-    seen.add(np.tile([1.0, 1.5, 1.5, 0.0], (2, 1)), np.array([True, True]))
+    seen.add(np.tile([1.0, 1.5, 1.5, 0.0, 1.0, 1.5], (2, 1)), np.array([True, True]))
     acceptance = Acceptance().fit(seen)
-    assert abs(acceptance.score(np.array([[0.9, 1.4, 1.4, 0.1]]))[0]) < 10
+    assert abs(acceptance.score(np.array([[0.9, 1.4, 1.4, 0.1, 0.9, 1.4]]))[0]) < 10
 
 
 def test_what_was_learned_survives_as_plain_numbers():
@@ -245,7 +249,11 @@ def test_the_threshold_is_chosen_on_people_left_out_not_on_those_taught():
     weights = taught.T @ np.linalg.solve(gram, targets_of(numbers[teachers], 6))
     scores = features[np.ix_(new, columns)] @ weights
     near = nearest_of_each(relative[np.ix_(new, teachers)], numbers[teachers], 6)
-    decided, signs = signs_of(scores[:, :-1], np.full(new.sum(), -1.0), near, doubt.typical)
+    targets = targets_of(numbers[teachers], 6)
+    normals = normal_matrices(taught, REFERENCES_A_CLIP)
+    apart = features[np.ix_(new, columns)] @ solve_apart(taught, targets, normals, ridge * len(taught))
+    background = np.full(new.sum(), -1.0)
+    decided, signs = signs_of(scores[:, :-1], background, near, doubt.typical, apart[:, :-1])
     right = decided == numbers[new]
     assert right.mean() > 0.9
     assert np.mean(doubt.acceptance.score(signs[right]) < doubt.acceptance.threshold_) < 0.25

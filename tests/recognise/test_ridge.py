@@ -127,3 +127,30 @@ def test_what_was_handed_in_is_left_alone():
     model.add_examples(rows[10:], targets[10:])
     np.testing.assert_array_equal(rows, kept[0])
     np.testing.assert_array_equal(targets, kept[1])
+
+
+# -- each kernel by itself ---------------------------------------------------------------------------------
+
+
+@given(seed=st.integers(0, 1000), kernels=st.integers(1, 4), references=st.integers(1, 12))
+def test_weights_apart_are_the_mean_of_each_kernels_own_least_squares(seed, kernels, references):
+    rows, targets = problem(seed, 30, kernels * references)
+    found = EmpiricalMapRidge(1e-3, kernels).fit(rows, targets).weights_apart
+    for k in range(kernels):
+        alone = least_squares(rows[:, k::kernels], targets, 1e-3 * 30)
+        np.testing.assert_allclose(
+            kernels * found[k::kernels], alone, atol=1e-7 * max(1.0, np.abs(alone).max())
+        )
+
+
+def test_weights_apart_grow_and_shrink_as_one_fit():
+    rows, targets = problem(5, 40, 36)
+    grown = EmpiricalMapRidge(1e-3, 3).fit(rows[:30, :30], targets[:30], penalised=40)
+    grown.add_features(rows[:30, 30:])
+    grown.add_examples(rows[30:], targets[30:])
+    whole = EmpiricalMapRidge(1e-3, 3).fit(rows, targets)
+    np.testing.assert_allclose(grown.weights_apart, whole.weights_apart, atol=1e-6)
+    kept = np.arange(40) % 4 != 0
+    grown.keep(kept, np.arange(36) < 24, 3)
+    less = EmpiricalMapRidge(1e-3, 3).fit(rows[kept, :24], targets[kept, :3], penalised=40)
+    np.testing.assert_allclose(grown.weights_apart, less.weights_apart, atol=1e-6)

@@ -12,7 +12,7 @@ from scipy.special import expit
 BACKGROUND = -1
 """Stands for 'a movement that is no gesture' where labels are numbers."""
 
-N_SIGNS = 4
+N_SIGNS = 6
 
 _LEAST_SPREAD = 0.1
 """Of a sign; a few trials that came out alike must not make a small difference a big one."""
@@ -36,27 +36,40 @@ def signs_of(
     background: Float[np.ndarray, " clips"],
     near: Float[np.ndarray, "clips classes"],
     typical: Float[np.ndarray, " classes"],
+    apart: Float[np.ndarray, "clips classes"],
 ) -> tuple[Int[np.ndarray, " clips"], Float[np.ndarray, "clips signs"]]:
-    """Return what each clip is most like, and the four signs that it truly is that.
+    """Return what each clip is most like, and the six signs that it truly is that.
 
     Args:
         scores: Of the gestures, about 1 for the one that is shown and -1 for the others.
         background: Score of 'no gesture'; -1 where none was taught.
         near: Distance to the nearest example of each gesture.
         typical: That distance as it is between people who show the same gesture.
+        apart: Scores as ``scores``, but the mean of what each view says by itself.
 
     Returns:
-        The decided class, and: its score, its lead over the second, its lead over 'no gesture', and how
-        near its nearest example is, as the negative logarithm of distance over typical distance.
+        The decided class, and: its score, its lead over the second, its lead over 'no gesture', how
+        near its nearest example is, as the negative logarithm of distance over typical distance, and its
+        score and its lead among ``apart``.
     """
     clips = np.arange(len(scores))
     decided = scores.argmax(axis=1)
-    top = scores[clips, decided]
+    top, lead = _lead(scores, decided)
+    top_apart, lead_apart = _lead(apart, decided)
+    nearness = -np.log(np.maximum(near[clips, decided], 1e-9) / typical[decided])
+    near_enough = np.clip(nearness, -3, 3)
+    return decided, np.column_stack([top, lead, top - background, near_enough, top_apart, lead_apart])
+
+
+def _lead(
+    scores: Float[np.ndarray, "clips classes"], decided: Int[np.ndarray, " clips"]
+) -> tuple[Float[np.ndarray, " clips"], Float[np.ndarray, " clips"]]:
+    """Return the decided classes' scores, and how far they are ahead of the best other; of -1 if alone."""
+    clips = np.arange(len(scores))
     others = scores.copy()
     others[clips, decided] = -np.inf
     second = others.max(axis=1) if scores.shape[1] > 1 else np.full(len(scores), -1.0)
-    nearness = -np.log(np.maximum(near[clips, decided], 1e-9) / typical[decided])
-    return decided, np.column_stack([top, top - second, top - background, np.clip(nearness, -3, 3)])
+    return scores[clips, decided], scores[clips, decided] - second
 
 
 def nearest_of_each(
