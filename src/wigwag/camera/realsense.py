@@ -170,10 +170,18 @@ class RealSenseSource(Source):
             asked.enable_device_from_file(str(self._path), repeat_playback=False)
         else:
             if self._serial:
+                _require(rs, self._serial)
                 asked.enable_device(self._serial)
             asked.enable_stream(rs.stream.depth, c.width, c.height, rs.format.z16, c.rate_hz)
             asked.enable_stream(rs.stream.color, c.width, c.height, rs.format.rgb8, c.rate_hz)
         return _Pipeline(rs, asked, recorded=self._path is not None)
+
+
+def _require(rs: Any, serial: str) -> None:
+    """Fail at once if the device is not there; librealsense itself would wait for it for 15 s."""
+    there = [d.get_info(rs.camera_info.serial_number) for d in rs.context().query_devices()]
+    if serial not in there:
+        raise RuntimeError(f"no device has this serial number; there is {', '.join(there) or 'none'}")
 
 
 class _Pipeline:
@@ -181,11 +189,12 @@ class _Pipeline:
 
     def __init__(self, rs: Any, config: Any, recorded: bool) -> None:
         self._stopped = rs.playback_status.stopped
-        self._pipeline = rs.pipeline()
-        device = self._pipeline.start(config).get_device()
-        self._playback = device.as_playback() if recorded else None
-        if self._playback is not None:
+        self._pipeline, self._playback = rs.pipeline(), None
+        if recorded:
+            device = config.resolve(rs.pipeline_wrapper(self._pipeline)).get_device()
+            self._playback = device.as_playback()
             self._playback.set_real_time(False)  # every frame, however slow the reader is
+        self._pipeline.start(config)
 
     def wait(self, timeout_ms: int) -> Any | None:
         """Return the next set, ``None`` at the end of the file."""
