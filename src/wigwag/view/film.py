@@ -9,6 +9,7 @@ from pathlib import Path
 from types import TracebackType
 
 import av
+import cv2
 import numpy as np
 from jaxtyping import UInt8
 
@@ -56,7 +57,9 @@ class Film:
                 "bf": "0",
                 "refs": "1",
             }
-        picture = av.VideoFrame.from_ndarray(np.ascontiguousarray(rgb), format="rgb24")
+        # OpenCV's conversion needs neither FFmpeg's scaler nor its buffers.
+        planes = cv2.cvtColor(np.ascontiguousarray(rgb), cv2.COLOR_RGB2YUV_I420)
+        picture = av.VideoFrame.from_ndarray(planes, format="yuv420p")
         for packet in self._stream.encode(picture):
             self._container.mux(packet)
 
