@@ -451,7 +451,7 @@ class KernelRecognizer(Classifier):
         Raises:
             ModelError: If the file is missing, damaged, of another version, or holds something else.
         """
-        facts, arrays = store.read(path, cls.__name__)
+        facts, arrays = store.read(path, cls.__name__, leave="rows_")
         with store.explained(path):
             self = cls(**store.revived(facts["parameters"]))
             self.classes_, self.names_ = np.array(facts["classes"]), list(facts["names"])

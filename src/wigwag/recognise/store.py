@@ -71,55 +71,70 @@ def write(
         raise
 
 
-def read(path: str | PathLike[str], kind: str) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+def read(
+    path: str | PathLike[str], kind: str, leave: str | None = None
+) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
     """Read what ``write`` wrote, and check that it is what it says.
+
+    Args:
+        path: The file.
+        kind: Name of the recogniser that it should hold.
+        leave: Arrays whose names begin so are checked, but not kept.
 
     Raises:
         ModelError: If the file is missing, damaged, of another version, or holds another recogniser.
     """
+    with _opened(path) as archive:
+        with explained(path):
+            header = json.loads(archive.read("header.json"))
+            found, version, recogniser = header["format"], header["version"], header["recogniser"]
+            digest = header["sha256"]
+        if found != FORMAT:
+            raise ModelError(f"{path}: expected a '{FORMAT}', but the file says {found!r}.")
+        if version != VERSION:
+            raise ModelError(
+                f"{path}: format version {version}, but this wigwag reads version {VERSION}. "
+                "Fit the recogniser and save it again."
+            )
+        computed, arrays, facts = hashlib.sha256(), {}, b""
+        for name in sorted(set(archive.namelist()) - {"header.json"}):
+            # One by one, so that no more than one array is in memory twice.
+            content = archive.read(name)
+            _add(computed, name, content)
+            if name == "facts.json":
+                facts = content
+            elif leave is None or not name.startswith(leave):
+                arrays[name] = content
+        del content
+        if digest != computed.hexdigest():
+            raise ModelError(f"{path}: damaged, its SHA-256 does not match. Save the recogniser again.")
+        if recogniser != kind:
+            raise ModelError(f"{path}: holds a {recogniser}, but {kind}.load was asked for a {kind}.")
+        with explained(path):
+            return json.loads(facts), {
+                name.removesuffix(".npy"): np.load(io.BytesIO(arrays.pop(name)), allow_pickle=False)
+                for name in list(arrays)
+            }
+
+
+@contextmanager
+def _opened(path: str | PathLike[str]) -> Iterator[zipfile.ZipFile]:
+    """Open a model file; say of anything that goes wrong in reading it that it is damaged."""
     try:
         with zipfile.ZipFile(path) as archive:
-            members = {name: archive.read(name) for name in archive.namelist()}
+            yield archive
+    except ModelError:
+        raise
     except FileNotFoundError as error:
         raise ModelError(
             f"{path}: there is no such model file. Fit a recogniser and save it there."
         ) from error
-    except (
-        zipfile.BadZipFile,
-        zipfile.LargeZipFile,
-        OSError,
-        EOFError,
-        ValueError,
-        NotImplementedError,
-    ) as error:
+    except (zipfile.BadZipFile, OSError, EOFError, ValueError) as error:
         raise ModelError(
             f"{path}: not a model file, or damaged ({error}). Save the recogniser again."
         ) from error
     except Exception as error:  # zlib.error and others of the decompressors share no base
         raise ModelError(f"{path}: damaged ({error}). Save the recogniser again.") from error
-    with explained(path):
-        header = json.loads(members.pop("header.json"))
-        found, version, recogniser = header["format"], header["version"], header["recogniser"]
-        digest = header["sha256"]
-    if found != FORMAT:
-        raise ModelError(f"{path}: expected a '{FORMAT}', but the file says {found!r}.")
-    if version != VERSION:
-        raise ModelError(
-            f"{path}: format version {version}, but this wigwag reads version {VERSION}. "
-            "Fit the recogniser and save it again."
-        )
-    if digest != _digest(members):
-        raise ModelError(f"{path}: damaged, its SHA-256 does not match. Save the recogniser again.")
-    if recogniser != kind:
-        raise ModelError(f"{path}: holds a {recogniser}, but {kind}.load was asked for a {kind}.")
-    with explained(path):
-        facts = json.loads(members.pop("facts.json"))
-        arrays = {
-            # Taken out one by one, so that no more than one array is in memory twice.
-            name.removesuffix(".npy"): np.load(io.BytesIO(members.pop(name)), allow_pickle=False)
-            for name in list(members)
-        }
-    return facts, arrays
 
 
 @contextmanager
@@ -137,6 +152,10 @@ def explained(path: str | PathLike[str]) -> Iterator[None]:
 def _digest(members: Mapping[str, bytes]) -> str:
     digest = hashlib.sha256()
     for name in sorted(members):
-        digest.update(f"{name} {len(members[name])}\n".encode())
-        digest.update(members[name])
+        _add(digest, name, members[name])
     return digest.hexdigest()
+
+
+def _add(digest: Any, name: str, content: bytes) -> None:
+    digest.update(f"{name} {len(content)}\n".encode())
+    digest.update(content)
