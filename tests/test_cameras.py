@@ -36,6 +36,7 @@ def test_a_bad_address_lists_the_forms(address):
     [
         ("webcam:", InputError),
         ("webcam:77", CameraError),
+        ("webcam:0?width=0", InputError),
         ("video:", InputError),
         ("video:none.mp4", DataError),
         ("video:a.mp4?hfov_deg=0", InputError),
@@ -54,6 +55,13 @@ def test_a_bad_address_lists_the_forms(address):
 def test_wrong_addresses_are_typed_errors(address, error):
     with pytest.raises(error):
         open_camera(address)
+
+
+def test_passwords_stay_out_of_messages():
+    for address in ("rtsp://me:secret@host/s", "webcam:rtsp://me:secret@host/s?width="):
+        with pytest.raises(InputError) as error:
+            open_camera(address)
+        assert "secret" not in str(error.value)
 
 
 @pytest.mark.parametrize("address", ["bag:none.bag", "bag:?color=/a"])

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wigwag.camera.address import Address, parse
+from wigwag.camera.address import Address, hide_password, parse
 from wigwag.camera.live import LiveCamera
 from wigwag.camera.paced import Paced
 from wigwag.camera.playback import Playback
@@ -51,7 +51,7 @@ def open_camera(address: str) -> Camera:
     kind, colon, _ = address.partition(":")
     form = _FORMS.get(kind)
     if not colon or form is None:
-        raise InputError(f"{address!r} is no address of a camera. There are:\n{forms()}")
+        raise InputError(f"{hide_password(address)!r} is no address of a camera. There are:\n{forms()}")
     parsed = parse(address, form.options)
     source = form.source(parsed)
     if form.live(parsed):
@@ -91,9 +91,9 @@ def _webcam(address: Address) -> Source:
     from wigwag.camera.webcam import WebcamConfig, WebcamSource
 
     config = WebcamConfig(
-        width=address.whole("width", 0) or None,
-        height=address.whole("height", 0) or None,
-        rate_hz=address.number("rate_hz", 0.0) or None,
+        width=address.whole("width", 0) if "width" in address.options else None,
+        height=address.whole("height", 0) if "height" in address.options else None,
+        rate_hz=address.number("rate_hz", 0.0) if "rate_hz" in address.options else None,
         lens=_lens(address),
         timeout_s=address.number("timeout_s", 5.0),
     )

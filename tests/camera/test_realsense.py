@@ -7,7 +7,7 @@ import pytest
 from wigwag.camera.live import LiveCamera
 from wigwag.camera.playback import Playback
 from wigwag.camera.realsense import RealSenseConfig, RealSenseSource
-from wigwag.errors import CameraError, DataError, MissingExtraError
+from wigwag.errors import CameraError, DataError, InputError, MissingExtraError
 
 from .fakes import picture
 from .software import COLOR, DEPTH, SoftwareRealSense
@@ -188,3 +188,9 @@ def test_without_the_extra_the_message_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "pyrealsense2", None)
     with pytest.raises(MissingExtraError, match=r"pip install 'wigwag\[realsense\]'"):
         RealSenseSource()
+
+
+@pytest.mark.parametrize("change", [{"width": 0}, {"rate_hz": -30}, {"timeout_s": 0.0}])
+def test_what_no_device_can_do_is_refused(change):
+    with pytest.raises(InputError, match="above 0"):
+        RealSenseConfig(**change)

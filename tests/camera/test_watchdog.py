@@ -95,6 +95,15 @@ def test_depth_that_is_all_zero_is_no_depth_but_the_picture_is_good():
     assert all(h.usable for h in seen)
 
 
+def test_frozen_depth_under_a_living_picture_is_no_depth():
+    depths = [np.full((6, 8), 2000 + i, np.uint16) for i in range(5)]
+    frames = [frame(i * STEP, i, depths[min(i, 4)].copy()) for i in range(20)]
+    healths = run(frames)
+    assert all(h.usable for h in healths)
+    assert [h.depth for h in healths] == [(i - 4) * STEP < 0.3e9 for i in range(20)]
+    assert run([*frames, frame(20 * STEP, 20, depths[0])])[-1].depth
+
+
 def test_limits_that_are_always_met_are_refused():
     with pytest.raises(InputError):
         WatchdogConfig(stale_s=0.0)

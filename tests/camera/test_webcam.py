@@ -4,9 +4,10 @@ import av
 import numpy as np
 import pytest
 
+from wigwag.camera.address import hide_password
 from wigwag.camera.lens import LensConfig
 from wigwag.camera.live import LiveCamera, ReconnectConfig
-from wigwag.camera.webcam import WebcamConfig, WebcamSource, hide_password
+from wigwag.camera.webcam import WebcamConfig, WebcamSource
 from wigwag.errors import CameraError, DataError, InputError
 
 from .fakes import picture
@@ -110,6 +111,11 @@ def test_a_url_that_never_comes_back_is_given_up(tmp_path):
         LiveCamera(WebcamSource(f"file://{tmp_path}/none.avi"), ReconnectConfig(give_up_s=0.0))
 
 
+def test_a_pipeline_without_gstreamer_says_what_it_takes():
+    with pytest.raises(CameraError, match="built with GStreamer"):
+        WebcamSource("videotestsrc num-buffers=0 ! fakesink").open()
+
+
 def test_passwords_stay_out_of_messages():
     assert hide_password("rtsp://h/s@2") == "rtsp://h/s@2"
     webcam = WebcamSource("rtsp://me:secret@h/s", capture=lambda target: Capture([], there=False))
@@ -131,6 +137,8 @@ def test_a_lens_from_a_file(tmp_path):
 
 
 def test_what_is_wrong_is_known_before_the_camera_is_opened():
+    with pytest.raises(InputError, match="timeout_s must be above 0"):
+        WebcamConfig(timeout_s=0.0)
     with pytest.raises(InputError, match="webcam:0"):
         WebcamSource("")
     with pytest.raises(InputError, match="hfov_deg"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from urllib.parse import unquote
@@ -84,10 +85,24 @@ def parse(text: str, options: Iterable[str]) -> Address:
             foreign.append(part)
             continue
         if name not in known:
-            raise InputError(f"{text}: has no option {name!r}. {kind}: takes {', '.join(known) or 'none'}.")
+            raise InputError(
+                f"{hide_password(text)}: has no option {name!r}. {kind}: takes {', '.join(known) or 'none'}."
+            )
         if name in found or not equals or not value:
-            raise InputError(f"{text}: the option {name!r} must be given once, with a value: ?{name}=...")
+            raise InputError(
+                f"{hide_password(text)}: the option {name!r} must be given once, with a value: ?{name}=..."
+            )
         found[name] = unquote(value)
     if foreign:
         target = f"{target}?{'&'.join(foreign)}"
     return Address(kind, target, found)
+
+
+def hide_password(target: str) -> str:
+    """Return a URL without the password in it, fit for messages and logs.
+
+    Example:
+        >>> hide_password("rtsp://me:secret@10.0.0.2/stream")
+        'rtsp://me:***@10.0.0.2/stream'
+    """
+    return re.sub(r"(://[^/@:]*):[^@]*@", r"\1:***@", target)

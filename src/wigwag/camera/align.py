@@ -120,7 +120,9 @@ class DepthAligner:
                 f"but got {depth_mm.dtype} {depth_mm.shape}."
             )
         exact = np.zeros((self.color.height, self.color.width), np.uint16)
-        _align(np.ascontiguousarray(depth_mm), self._plan, exact, np.zeros_like(exact))
+        rims = np.zeros_like(exact)
+        _align(np.ascontiguousarray(depth_mm), self._plan, exact, rims)
+        np.copyto(exact, rims, where=exact == 0)
         return exact
 
 
@@ -143,9 +145,9 @@ _CRACK_PX = 0.25
 """Less than half, or a hole of one pixel would be closed as if it were a crack."""
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]  # numba ships no types
-def _align(depth_mm: np.ndarray, p: _Plan, exact: np.ndarray, wide: np.ndarray) -> None:
-    """Fill ``exact`` with the aligned image; ``wide`` is room for the squares that close cracks."""
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]  # numba ships no types
+def _align(depth_mm: np.ndarray, p: _Plan, exact: np.ndarray, rims: np.ndarray) -> None:
+    """Fill ``exact`` with what lies within the squares, ``rims`` with what lies around them."""
     height, width = exact.shape
     for v in range(depth_mm.shape[0]):
         for u in range(depth_mm.shape[1]):
@@ -170,14 +172,11 @@ def _align(depth_mm: np.ndarray, p: _Plan, exact: np.ndarray, wide: np.ndarray) 
             left, right = max(0, math.ceil(x0 - _CRACK_PX)), min(width, math.ceil(x1 + _CRACK_PX))
             for y in range(top, bottom):
                 for x in range(left, right):
-                    if wide[y, x] == 0 or near < wide[y, x]:
-                        wide[y, x] = near
-                    if x0 <= x < x1 and y0 <= y < y1 and (exact[y, x] == 0 or near < exact[y, x]):
-                        exact[y, x] = near
-    for y in range(height):
-        for x in range(width):
-            if exact[y, x] == 0:
-                exact[y, x] = wide[y, x]
+                    if x0 <= x < x1 and y0 <= y < y1:
+                        if exact[y, x] == 0 or near < exact[y, x]:
+                            exact[y, x] = near
+                    elif rims[y, x] == 0 or near < rims[y, x]:
+                        rims[y, x] = near
 
 
 __all__ = ["DepthAligner", "Extrinsic"]

@@ -22,7 +22,11 @@ from wigwag.errors import CameraError, DataError, InputError
 
 @dataclass(frozen=True, slots=True)
 class RealSenseConfig:
-    """What is asked of a device; a recording gives what it has."""
+    """What is asked of a device; a recording gives what it has.
+
+    Raises:
+        InputError: If anything is not positive.
+    """
 
     width: int = 640
     """Pixels, of colour and depth."""
@@ -31,6 +35,14 @@ class RealSenseConfig:
     rate_hz: int = 30
     timeout_s: float = 2.0
     """A device that is silent for so long counts as lost."""
+
+    def __post_init__(self) -> None:
+        """Check what librealsense would only say in its own way."""
+        if not (min(self.width, self.height, self.rate_hz) > 0 and self.timeout_s > 0):
+            raise InputError(
+                "realsense: width, height, rate_hz and timeout_s must be above 0, but got "
+                f"{self.width}, {self.height}, {self.rate_hz} and {self.timeout_s}."
+            )
 
 
 class Framesets(Protocol):

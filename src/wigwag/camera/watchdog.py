@@ -32,7 +32,7 @@ class Health:
     reason: str
     """In words, for the operator; empty if all is well."""
     depth: bool
-    """Whether the newest frame measured enough depth."""
+    """Whether the newest frame measured enough depth, and depth is not frozen."""
     age_s: float
     """Since the stamp of the newest fresh frame; infinite before the first."""
 
@@ -92,7 +92,8 @@ class Watchdog:
         self._fresh_at_ns = 0
         """When it came."""
         self._depth = False
-        self._dark = False
+        self._depth_at_ns = 0
+        """When depth was last another one than before."""
         self._why = "no picture"
         """What the frames after it were, if any came."""
 
@@ -108,16 +109,12 @@ class Watchdog:
             return self._repeated("the stamps do not move", now_ns)
         if before is not None and _same(frame.rgb, before.rgb):
             return self._repeated("the same picture again and again", now_ns)
+        self._depth = self._measures(frame, now_ns)
         self._fresh, self._fresh_at_ns, self._why = frame, now_ns, "no picture"
-        self._dark = int(frame.rgb.max(initial=0)) <= self.config.dark_level
-        depth = frame.depth_mm
-        self._depth = depth is not None and bool(
-            np.count_nonzero(depth) > self.config.least_depth * depth.size
-        )
         late_s = (now_ns - frame.stamp_ns) * 1e-9
         if late_s > self.config.late_s:
             return self._health(Sight.STALE, f"the picture is {late_s:.1f} s old", now_ns)
-        if self._dark:
+        if int(frame.rgb.max(initial=0)) <= self.config.dark_level:
             return self._health(Sight.DARK, "the picture is black", now_ns)
         return self._health(Sight.FRESH, "", now_ns)
 
@@ -128,6 +125,15 @@ class Watchdog:
             now_ns: The time, on the clock of the stamps.
         """
         return self._repeated(self._why, now_ns)
+
+    def _measures(self, frame: Frame, now_ns: int) -> bool:
+        """Say whether there is depth of now. Colour may come faster, so the same depth twice is no fault."""
+        depth, before = frame.depth_mm, None if self._fresh is None else self._fresh.depth_mm
+        if depth is None or np.count_nonzero(depth) <= self.config.least_depth * depth.size:
+            return False
+        if before is None or not _same(depth, before):
+            self._depth_at_ns = now_ns
+        return now_ns - self._depth_at_ns < self.config.stale_s * 1e9
 
     def _repeated(self, why: str, now_ns: int) -> Health:
         self._why = why

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -10,6 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from wigwag.camera.address import hide_password
 from wigwag.camera.frame import Frame
 from wigwag.camera.lens import Lens, LensConfig
 from wigwag.camera.pictures import as_rgb
@@ -28,7 +28,11 @@ class Capture(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class WebcamConfig:
-    """What is asked of the camera, and what is known of its lens."""
+    """What is asked of the camera, and what is known of its lens.
+
+    Raises:
+        InputError: If a size, the rate or the timeout is not positive.
+    """
 
     width: int | None = None
     """Pixels; ``None``: whatever the camera gives."""
@@ -39,6 +43,14 @@ class WebcamConfig:
     """What is known of its lens."""
     timeout_s: float = 5.0
     """How long a network camera may be silent before it counts as lost."""
+
+    def __post_init__(self) -> None:
+        """Check what OpenCV would silently leave aside."""
+        asked = (self.width, self.height, self.rate_hz, self.timeout_s)
+        if any(value is not None and not value > 0 for value in asked):
+            raise InputError(
+                f"webcam: width, height, rate_hz and timeout_s must be above 0, but got {list(asked)}."
+            )
 
 
 class WebcamSource(Source):
@@ -139,13 +151,3 @@ class WebcamSource(Source):
             if value is not None and capture.isOpened():
                 capture.set(key, value)  # type: ignore[attr-defined]  # not part of what is needed
         return capture
-
-
-def hide_password(target: str) -> str:
-    """Return a URL without the password in it, fit for messages and logs.
-
-    Example:
-        >>> hide_password("rtsp://me:secret@10.0.0.2/stream")
-        'rtsp://me:***@10.0.0.2/stream'
-    """
-    return re.sub(r"(://[^/@:]*):[^@]*@", r"\1:***@", target)
