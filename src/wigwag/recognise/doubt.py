@@ -31,7 +31,8 @@ class Doubt:
     itself, on average (:attr:`~wigwag.recognise.ridge.EmpiricalMapRidge.weights_apart`): of a movement that
     nobody taught, some view is nearly always sure, but rarely all of them. With 21 gestures taught by three
     training people of UTD-MHAD, 29 instead of 36 % of the other six are accepted at 95 % of those taught;
-    26 % with sevenths of the gestures untaught instead of thirds, which leave too little (3 draws).
+    26 % with sevenths of the gestures untaught instead of thirds, which leave too little (3 draws;
+    over 7 draws, with thirds, 26 instead of 30 %).
 
     Args:
         false_reject: See :class:`~wigwag.recognise.acceptance.Acceptance`.
