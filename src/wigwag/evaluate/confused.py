@@ -64,7 +64,7 @@ def draw_confused(
 
     form = CanonicalForm(frames=_MOMENTS)
     by_name = {clip.name: clip for clip in clips}
-    figure = Figure(figsize=(12, 4.6 * len(pairs)), layout="constrained")
+    figure = Figure(figsize=(8.5, 4.6 * len(pairs)), layout="constrained")
     rows = figure.subplots(3 * len(pairs), 1, squeeze=False)[:, 0]
     for number, (truth, answer, name, share) in enumerate(pairs):
         shown = by_name[name]
