@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Any, Literal, Self
@@ -16,50 +15,16 @@ from wigwag.errors import InputError, NotFittedError
 from wigwag.features import Classifier
 from wigwag.features.augment import Augmentation
 from wigwag.features.canonical import CanonicalForm
-from wigwag.features.views import View
 from wigwag.gesture import Gesture
 from wigwag.recognise import store
 from wigwag.recognise.acceptance import BACKGROUND, nearest_of_each, signs_of
 from wigwag.recognise.doubt import Doubt, targets_of
 from wigwag.recognise.examples import check_clips, labels_of, people_of
+from wigwag.recognise.presets import ENOUGH_EXAMPLES, FEW, FEWEST_COPIES, MOST_COPIES, PRESETS
 from wigwag.recognise.ridge import EmpiricalMapRidge
 from wigwag.recognise.selection import RIDGES, WIDTHS, choose
 from wigwag.recognise.similarity import Sides, Similarities
 from wigwag.skeleton import Clip
-
-
-@dataclass(frozen=True, slots=True)
-class KernelPreset:
-    """What a preset stands for; see :class:`KernelRecognizer`."""
-
-    frames: int
-    band: int
-    n_dims: int
-    kinds: tuple[View, ...]
-
-
-_KINDS: tuple[View, ...] = (
-    "positions", "bones", "directions", "distances", "accelerations", "hands", "trunk",
-)  # fmt: skip
-
-PRESETS: dict[str, KernelPreset] = {
-    "fast": KernelPreset(frames=20, band=5, n_dims=12, kinds=_KINDS),
-    "accurate": KernelPreset(frames=40, band=10, n_dims=12, kinds=_KINDS),
-}
-"""Chosen by teaching two of UTD-MHAD's training subjects 1, 3, 5, 7 and testing the other two: log loss
-0.090, 0.069 and 0.051 at 16, 20 and 40 frames (two copies a clip). 64 frames, wider bands and both origins at
-once add little."""
-
-_FEW = 2
-"""With fewer examples of a gesture, each view learns by itself: one of another person is recognised at 90.2
-instead of 87.8 % and one's own alone at 99.7 instead of 99.4 % (four copies a clip, training people).
-With two or more, all views at once are right more often."""
-
-_ENOUGH_EXAMPLES = 1000
-_FEWEST_COPIES, _MOST_COPIES = 2, 8
-"""Copies matter most where there is little to learn from: one example a class of other people is recognised
-at 85.5, 87.5, 87.8 and 87.9 % with 1, 2, 4 and 8 copies, two people at log loss 0.054, 0.051 and 0.048 with
-1, 2 and 4. Learning from more than so many in all takes longer than it is worth."""
 
 
 class KernelRecognizer(Classifier):
@@ -153,7 +118,7 @@ class KernelRecognizer(Classifier):
         self.names_ = [clip.name for clip in clips]
         rng = np.random.default_rng(self.random_state)
         self._similar = similar
-        wanted = min(max(_ENOUGH_EXAMPLES // len(clips), _FEWEST_COPIES), _MOST_COPIES)
+        wanted = min(max(ENOUGH_EXAMPLES // len(clips), FEWEST_COPIES), MOST_COPIES)
         self.copies_ = wanted if self.copies is None else self.copies
         sides = self._similar.fit(clips)
         self._similar.refer_to(sides)
@@ -163,7 +128,7 @@ class KernelRecognizer(Classifier):
         self._rows, self._row_numbers = sides + varied, np.tile(self.numbers_, self.copies_ + 1)
         self._choose(distances, people_of(clips))
         features = self._similar.features(distances)
-        self.apart_ = bool(np.median(np.bincount(self.numbers_[self.numbers_ >= 0])) < _FEW)
+        self.apart_ = bool(np.median(np.bincount(self.numbers_[self.numbers_ >= 0])) < FEW)
         relative = self._similar.relative(distances[: len(clips)]).sum(axis=2)
         self.doubt_ = Doubt(self.false_reject).fit(
             features, relative, self.numbers_, people_of(clips), self.ridge_, apart=self.apart_
@@ -282,21 +247,19 @@ class KernelRecognizer(Classifier):
         check_clips(clips)
         if len(clips) == 0:
             return np.zeros((0, len(self.classes_) + 1))
-        return np.stack([self._score(self._distances(clip)) for clip in clips])
+        return np.stack([self._similar.features(self._distances(clip)) @ self._weights for clip in clips])
 
     def _distances(self, clip: Clip) -> Float[np.ndarray, "references views"]:
         return self._similar.distances(self._similar.sides(clip))
 
-    def _score(self, distances: np.ndarray) -> Float[np.ndarray, " classes+1"]:
-        return np.asarray(self._similar.features(distances) @ self._weights)
-
     def _weigh(self, clip: Clip) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return scores, distances relative to the usual ones, and the log odds of acceptance."""
         distances = self._distances(clip)
-        scores = self._score(distances)[None].astype(np.float64)
+        features = self._similar.features(distances)
+        scores = (features @ self._weights)[None].astype(np.float64)
         relative = self._similar.relative(distances).sum(axis=1)
         near = nearest_of_each(relative[None], self.numbers_, len(self.classes_))
-        alone = (self._similar.features(distances) @ self._weights_apart)[None].astype(np.float64)
+        alone = (features @ self._weights_apart)[None].astype(np.float64)
         background, typical = self.doubt_.background(scores), self.doubt_.typical
         _, signs = signs_of(scores[:, :-1], background, near, typical, alone[:, :-1])
         return scores, relative, self.doubt_.acceptance.score(signs)
