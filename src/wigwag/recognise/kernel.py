@@ -368,8 +368,7 @@ class KernelRecognizer(Classifier):
         with store.explained(self._rows_in):
             if not np.array_equal(arrays["weights"], self._weights):
                 raise InputError("it has been replaced since it was loaded; load it again")
-            rows = [arrays[f"rows_{kind}"] for kind in self._similar.kinds]
-            self._rows = [list(sides) for sides in zip(*rows, strict=True)]
+            self._rows = self._similar.unstacked("rows", arrays)
 
     # -- keep ---------------------------------------------------------------------------------------------
 
@@ -397,12 +396,8 @@ class KernelRecognizer(Classifier):
         arrays = {
             "numbers": self.numbers_, "row_numbers": self._row_numbers,
             "weights": self._weights, "weights_apart": self._weights_apart,
-            "scales": self._similar.scales,
         }  # fmt: skip
-        for v, kind in enumerate(self._similar.kinds):
-            arrays[f"mean_{kind}"], arrays[f"basis_{kind}"] = self._similar.means[v], self._similar.bases[v]
-            arrays[f"rows_{kind}"] = np.stack([sides[v] for sides in self._rows])
-            arrays[f"references_{kind}"] = np.stack([sides[v] for sides in self._similar.references])
+        arrays |= self._similar.arrays() | self._similar.stacked("rows", self._rows)
         store.write(path, type(self).__name__, facts, arrays)
 
     @classmethod
@@ -426,14 +421,10 @@ class KernelRecognizer(Classifier):
             self._penalised = int(facts["penalised"])
             self.width_, self.ridge_ = float(facts["width"]), float(facts["ridge"])
             self.copies_, self.apart_ = int(facts["copies"]), bool(facts["apart"])
-            similar = self._similar = self._similarities()
-            similar.width = self.width_
-            similar.scales = arrays["scales"]
-            similar.means = [arrays[f"mean_{kind}"] for kind in similar.kinds]
-            similar.bases = [arrays[f"basis_{kind}"] for kind in similar.kinds]
             self._rows_in = Path(path).resolve()
-            references = [arrays[f"references_{kind}"] for kind in similar.kinds]
-            similar.refer_to([list(sides) for sides in zip(*references, strict=True)])
+            self._similar = self._similarities()
+            self._similar.width = self.width_
+            self._similar.restore(arrays)
         return self
 
 

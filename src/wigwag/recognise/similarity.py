@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from jaxtyping import Float
@@ -127,3 +127,27 @@ class Similarities:
         """Return the similarities to all references, view by view within each reference."""
         similar = np.exp(distances * (-1.0 / (self.width * self.scales)))
         return np.asarray(similar.reshape(*distances.shape[:-2], -1))
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Return what was learned, and the references, to be saved."""
+        learned = {"scales": self.scales}
+        for kind, mean, basis in zip(self.kinds, self.means, self.bases, strict=True):
+            learned[f"mean_{kind}"], learned[f"basis_{kind}"] = mean, basis
+        return learned | self.stacked("references", self.references)
+
+    def restore(self, arrays: Mapping[str, np.ndarray]) -> None:
+        """Take back what ``arrays`` gave."""
+        self.scales = arrays["scales"]
+        self.means = [arrays[f"mean_{kind}"] for kind in self.kinds]
+        self.bases = [arrays[f"basis_{kind}"] for kind in self.kinds]
+        self.refer_to(self.unstacked("references", arrays))
+
+    def stacked(self, name: str, movements: Sequence[Sides]) -> dict[str, np.ndarray]:
+        """Return movements as one array a view."""
+        return {
+            f"{name}_{kind}": np.stack([sides[v] for sides in movements]) for v, kind in enumerate(self.kinds)
+        }
+
+    def unstacked(self, name: str, arrays: Mapping[str, np.ndarray]) -> list[Sides]:
+        """Return the movements of ``stacked``."""
+        return [list(sides) for sides in zip(*(arrays[f"{name}_{kind}"] for kind in self.kinds), strict=True)]
