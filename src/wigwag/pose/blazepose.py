@@ -9,6 +9,7 @@ every third picture and the landmark network agrees with a score of 0.99; its he
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -102,19 +103,18 @@ class BlazePose:
         """
         check_picture(rgb)
         if self._region is not None:
-            seen = self._landmarker(rgb, self._region)
-            if self._holds(seen, self.config.keep_clarity):
+            if seen := self.follow(rgb, self._region):
                 seen = self._second_look(rgb, seen)
                 self._last = self._region = seen.region
                 return seen.body
             self._region, self._frames_lost = None, 0
-        found = self._search(rgb, self._next_regions(rgb))
+        found = self.find(rgb, self._next_regions(rgb))
         self._frames_lost += 1
-        if found is None:
+        if not found:
             return None
-        self._last = self._region = found.region
+        self._last = self._region = found[0].region
         self._frames_lost = 0
-        return found.body
+        return found[0].body
 
     def _second_look(self, rgb: Picture, seen: Sighting) -> Sighting:
         """Detect a doubtful body anew now and then, and return the clearer of both."""
@@ -124,8 +124,8 @@ class BlazePose:
         self._frames_doubted += 1
         if self._frames_doubted % self.config.doubt_frames != 1 % self.config.doubt_frames:
             return seen
-        again = self._search(rgb, [seen.region.wider(_CROP_SCALE)])
-        return again if again and again.body.clarity > seen.body.clarity else seen
+        again = self.find(rgb, [seen.region.wider(_CROP_SCALE)])
+        return again[0] if again and again[0].body.clarity > seen.body.clarity else seen
 
     def detect(self, rgb: Picture) -> Body | None:
         """Return the body in one picture that stands for itself, or ``None``.
@@ -138,8 +138,8 @@ class BlazePose:
         rounds = [[Region.whole(width, height)]]
         rounds += [search_tiles(width, height, share) for share in self.config.tile_shares]
         for regions in rounds:
-            if found := self._search(rgb, regions, every=True):
-                return found.body
+            if found := self.find(rgb, regions, every=True):
+                return found[0].body
         return None
 
     def _next_regions(self, rgb: Picture) -> list[Region]:
@@ -153,35 +153,64 @@ class BlazePose:
         tiles = [tile for share in self.config.tile_shares for tile in search_tiles(width, height, share)]
         return [Region.whole(width, height), tiles[turn % len(tiles)]]
 
-    def _search(self, rgb: Picture, regions: list[Region], every: bool = False) -> Sighting | None:
-        """Look at the surest detections in these regions and return the first that is a person.
+    def find(
+        self,
+        rgb: Picture,
+        regions: Sequence[Region],
+        *,
+        most: int = 1,
+        every: bool = False,
+        known: Sequence[Region] = (),
+    ) -> list[Sighting]:
+        """Look at the surest detections in these regions and return those that are people.
 
         Args:
             rgb: The picture.
             regions: Where to look.
+            most: Stop after so many people.
             every: Search all regions before looking closer (for a picture that stands for itself),
                 instead of stopping at the first region with a person (for a stream).
+            known: Where people are known to be already; detections there are not looked at.
+
+        Returns:
+            Each person once, surest detection first.
         """
-        groups = [regions] if every else [[region] for region in regions]
+        groups = [list(regions)] if every else [[region] for region in regions]
         looks = self.config.max_looks * (_PATIENCE if every else 1)
-        rejected: list[Region] = []
+        people: list[Sighting] = []
+        seen_already = list(known)
+        rejected = 0
         for group in groups:
             detections = [found for region in group for found in self._detector(rgb, region)]
             for detection in sorted(detections, key=lambda found: -found.score):
                 place = detection.region
-                if not place.usable(self._max_tilt_rad) or any(place.resembles(r) for r in rejected):
+                if not place.usable(self._max_tilt_rad) or any(place.resembles(r) for r in seen_already):
                     continue
-                if len(rejected) == looks:
-                    return None
-                if seen := self._look(rgb, place):
-                    return seen
-                rejected.append(place)
-        return None
+                if rejected == looks:
+                    return people
+                seen_already.append(place)
+                seen = self.look(rgb, place)
+                if seen is None:
+                    rejected += 1
+                elif not any(seen.region.resembles(r) for r in [*known, *(p.region for p in people)]):
+                    people.append(seen)
+                    seen_already.append(seen.region)
+                if len(people) == most:
+                    return people
+        return people
 
-    def _look(self, rgb: Picture, region: Region) -> Sighting | None:
+    def follow(self, rgb: Picture, region: Region) -> Sighting | None:
+        """Return the person in the region that the frame before told of, or ``None`` if there is none.
+
+        One run of the landmark network. Whom ``track`` follows is not touched.
+        """
+        seen = self._landmarker(rgb, region)
+        return seen if self._holds(seen, self.config.keep_clarity) else None
+
+    def look(self, rgb: Picture, region: Region) -> Sighting | None:
         """Return the person in a detected region, seen twice, or ``None`` if there is none."""
-        first = self._landmarker(rgb, region)
-        if not self._holds(first, self.config.keep_clarity):
+        first = self.follow(rgb, region)
+        if first is None:
             return None
         # Seen again in the region of its own landmarks, a person becomes clearer.
         second = self._landmarker(rgb, first.region)
