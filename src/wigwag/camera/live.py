@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from types import TracebackType
@@ -52,6 +53,7 @@ class LiveCamera:
         source: Opened here, so that a camera that is not there is known at once; then read in a thread.
         reconnect: What happens when it is lost.
         wait: How the thread waits between attempts.
+        clock: The host's monotonic clock, nanoseconds, on which the source stamps its frames.
 
     Raises:
         CameraError: If the camera cannot be opened.
@@ -62,8 +64,10 @@ class LiveCamera:
         source: Source,
         reconnect: ReconnectConfig | None = None,
         wait: Wait = threading.Event.wait,
+        clock: Callable[[], int] = time.monotonic_ns,
     ) -> None:
         self._source, self._reconnect, self._wait = source, reconnect or ReconnectConfig(), wait
+        self._clock = clock
         self._order, self._counts = Order(), Counts()
         self._news = threading.Condition()
         self._newest: Frame | None = None
@@ -96,6 +100,11 @@ class LiveCamera:
         """Whether the last frame has been handed on."""
         with self._news:
             return self._over and self._newest is None
+
+    @property
+    def now_ns(self) -> int:
+        """The time on the host's monotonic clock."""
+        return self._clock()
 
     def __iter__(self) -> Iterator[Frame]:
         while True:

@@ -27,7 +27,7 @@ class Playback:
 
     def __init__(self, source: Source) -> None:
         self._source, self._order = source, Order()
-        self._counts, self._ended = Counts(), False
+        self._counts, self._ended, self._now_ns = Counts(), False, 0
         source.open()
 
     @property
@@ -44,6 +44,11 @@ class Playback:
     def ended(self) -> bool:
         """Whether the last frame has been handed on."""
         return self._ended
+
+    @property
+    def now_ns(self) -> int:
+        """Stamp of the newest frame handed on; 0 before the first."""
+        return self._now_ns
 
     def __iter__(self) -> Iterator[Frame]:
         while (frame := self.latest()) is not None:
@@ -73,6 +78,7 @@ class Playback:
                 self._counts.out_of_order += 1
                 continue
             self._counts.handed += 1
+            self._now_ns = stamp_ns
             return frame if stamp_ns == frame.stamp_ns else replace(frame, stamp_ns=stamp_ns)
         return None
 

@@ -52,6 +52,15 @@ class Camera(Protocol):
         """Whether the last frame has been handed on."""
         ...
 
+    @property
+    def now_ns(self) -> int:
+        """The time on the clock of the frames' stamps, nanoseconds.
+
+        For a live camera that is the host's monotonic clock. In a recording no time passes but with its
+        frames: it is the newest frame's stamp.
+        """
+        ...
+
     def __iter__(self) -> Iterator[Frame]:
         """Yield frames until the source ends: all of a recording, the newest ones of a live camera.
 
