@@ -4,8 +4,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wigwag.camera.align import DepthAligner, Extrinsic
+from wigwag.camera.extras import load_realsense
 from wigwag.camera.frame import Intrinsics
-from wigwag.errors import InputError
+from wigwag.errors import InputError, MissingExtraError
 
 from .software import COLOR, DEPTH, SIDEWAYS, SoftwareRealSense
 
@@ -125,7 +126,10 @@ def test_without_any_depth_there_is_none_and_what_is_behind_the_camera_is_gone()
 
 
 def test_as_librealsense_aligns():
-    rs = pytest.importorskip("pyrealsense2", reason="needs pyrealsense2: pip install 'wigwag[realsense]'")
+    try:
+        rs = load_realsense("this test")
+    except MissingExtraError as error:
+        pytest.skip(str(error))
     depth = millimetres(scene(DEPTH, Extrinsic.identity()))
     software = SoftwareRealSense(rs)
     frames = software.pair(depth, np.zeros((120, 160, 3), np.uint8))

@@ -4,6 +4,7 @@ import sys
 import numpy as np
 import pytest
 
+from wigwag.camera.extras import load_realsense
 from wigwag.camera.live import LiveCamera
 from wigwag.camera.playback import Playback
 from wigwag.camera.realsense import RealSenseConfig, RealSenseSource
@@ -17,7 +18,10 @@ MS = 1_000_000
 
 @pytest.fixture
 def rs():
-    return pytest.importorskip("pyrealsense2", reason="needs pyrealsense2: pip install 'wigwag[realsense]'")
+    try:
+        return load_realsense("this test")
+    except MissingExtraError as error:
+        pytest.skip(str(error))
 
 
 def depth(seed=0):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
 import importlib
+from contextlib import suppress
 from typing import Any
 
 from wigwag.errors import MissingExtraError
@@ -26,3 +28,21 @@ def load(module: str, extra: str, what: str) -> Any:
             f"{what} needs the package {module.partition('.')[0]}, which cannot be imported ({error}). "
             f"Install it with: python -m pip install 'wigwag[{extra}]'"
         ) from error
+
+
+def load_realsense(what: str) -> Any:
+    """Import ``pyrealsense2``, which needs libusb: the system's, or else the one that the extra brings.
+
+    Args:
+        what: What needs it; begins the error message.
+
+    Raises:
+        MissingExtraError: If it is not installed or does not load.
+    """
+    with suppress(MissingExtraError):
+        return load("pyrealsense2", "realsense", what)
+    with suppress(ImportError, OSError):
+        library = importlib.import_module("libusb_package").get_library_path()
+        # Once loaded, whoever asks for a library of its name gets this one.
+        ctypes.CDLL(str(library), mode=ctypes.RTLD_GLOBAL)
+    return load("pyrealsense2", "realsense", what)

@@ -13,7 +13,7 @@ from jaxtyping import UInt8
 
 from wigwag.camera.calibration import check_intrinsics
 from wigwag.camera.clock import DeviceClock
-from wigwag.camera.extras import load
+from wigwag.camera.extras import load_realsense
 from wigwag.camera.frame import Frame, Intrinsics
 from wigwag.camera.pictures import as_rgb, to_millimetres
 from wigwag.camera.protocol import Source
@@ -84,7 +84,7 @@ class RealSenseSource(Source):
         now_ns: Callable[[], int] = time.monotonic_ns,
     ) -> None:
         self.address = f"realsense:{path or serial}"
-        self._rs = load("pyrealsense2", "realsense", f"The camera {self.address}")
+        self._rs = load_realsense(f"The camera {self.address}")
         self._serial, self._path, self._config = serial, path, config or RealSenseConfig()
         self._make, self._now_ns = framesets or self._pipeline, now_ns
         self._framesets: Framesets | None = None
