@@ -65,3 +65,15 @@ def test_what_the_camera_raises_is_raised_after_what_it_gave(error):
         for glimpse in fresh(Playback(Told([*frames, error]))):
             seen.append(glimpse.frame)
     assert seen == frames
+
+
+def test_frozen_depth_under_living_pictures_is_all_holes():
+    depth = np.full((6, 8), 3000, np.uint16)
+    frames = [frame(k * 33 * MS, seed=k, depth_mm=depth) for k in range(1, 15)]
+    glimpses = list(fresh(Playback(Told(frames))))
+    first, last = glimpses[0].frame, glimpses[-1].frame
+    assert first is not None
+    assert first.depth_mm is depth
+    assert last is not None
+    assert last.depth_mm is not None
+    assert not last.depth_mm.any()

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from wigwag.camera.frame import Frame
 from wigwag.camera.protocol import Camera
@@ -15,7 +17,8 @@ class Glimpse:
     """One turn of a loop that looks through a camera."""
 
     frame: Frame | None
-    """A new picture of now; ``None`` if none came, or what came was frozen, stale or black."""
+    """A new picture of now; ``None`` if none came, or what came was frozen, stale or black. Frozen depth is
+    all holes: a person must not seem to stand still because their distance does."""
     health: Health
     """How it stands with the camera."""
     now_ns: int
@@ -49,6 +52,8 @@ def fresh(camera: Camera, watchdog: Watchdog | None = None, timeout_s: float = 0
         now_ns = camera.now_ns
         if frame is not None:
             health = watchdog.see(frame, now_ns)
+            if frame.depth_mm is not None and not health.depth:
+                frame = replace(frame, depth_mm=np.zeros_like(frame.depth_mm))
             yield Glimpse(frame if health.usable else None, health, now_ns)
         elif over or camera.ended:
             return
