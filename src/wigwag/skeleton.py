@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
 
 import numpy as np
@@ -59,13 +59,30 @@ class Pose:
     """How surely each landmark is seen, 0 to 1. A landmark filled in from others has 0."""
     stamp_ns: int
     """When the frame was taken, monotonic nanoseconds."""
+    sigma_m: Float[np.ndarray, 13] = field(default_factory=lambda: np.zeros(N_LANDMARKS))
+    """One standard deviation of each landmark's place along its worst axis (the line of sight, mostly),
+    metres, everything included. 0: taken as exact, as for poses that were made up or recorded."""
+    distance_sigma_m: float = 0.0
+    """The part of ``sigma_m`` that all landmarks share, metres: how uncertain the whole body's distance is.
+    It matters without depth, where it outweighs the rest."""
+    monocular: bool = False
+    """Whether it was placed without depth, by the body's supposed size (``wigwag.pose.monocular``)."""
 
     def __post_init__(self) -> None:
         """Check shapes and finiteness once, where the value enters."""
         if np.shape(self.joints) != (N_LANDMARKS, 3):
             raise InputError(f"Pose.joints must have shape (13, 3), but got {np.shape(self.joints)}.")
-        if np.shape(self.visibility) != (N_LANDMARKS,):
-            raise InputError(f"Pose.visibility must have shape (13,), but got {np.shape(self.visibility)}.")
+        for name in ("visibility", "sigma_m"):
+            if np.shape(getattr(self, name)) != (N_LANDMARKS,):
+                raise InputError(
+                    f"Pose.{name} must have shape (13,), but got {np.shape(getattr(self, name))}."
+                )
+        if not (np.isfinite(self.sigma_m).all() and np.min(self.sigma_m) >= 0):
+            raise InputError("Pose.sigma_m must hold finite metres, 0 or more; 0 means exact.")
+        if not 0 <= self.distance_sigma_m < np.inf:
+            raise InputError(
+                f"Pose.distance_sigma_m must be finite metres, 0 or more, but got {self.distance_sigma_m}."
+            )
         if not np.isfinite(self.joints).all():
             raise InputError(
                 "Pose.joints holds NaN or infinity; fill missing landmarks and set their visibility to 0."

@@ -6,7 +6,7 @@ import pytest
 from scipy.io import savemat
 
 from tests.datasets.trees import UTD, mat, needs_depth, standing, tree
-from wigwag.errors import DataError
+from wigwag.errors import DataError, InputError
 from wigwag.evaluate.lift import JOINTS, measure_lift
 from wigwag.pose.lift import STATISTICS, SURFACE_TO_JOINT_MM
 from wigwag.skeleton import LANDMARKS
@@ -57,6 +57,33 @@ def test_no_depth_counts_as_missing(tmp_path: Path) -> None:
     assert {row["median_abs_mm"] for row in rows} == {None}
 
 
+def test_coverage_counts_errors_against_what_was_stated(tmp_path: Path) -> None:
+    """On a plane every landmark states a little over its base: shoulders are right, wrists 2 sd off."""
+    row = {r["landmark"]: r for r in measure_lift(with_depth(tmp_path, 2934)).rows("surface")}
+    assert row["shoulder"]["within_1_sigma"] == 1.0
+    assert 12 <= row["shoulder"]["sigma_mm"] < 20
+    assert (row["wrist"]["within_1_sigma"], row["wrist"]["within_2_sigma"]) == (0.0, 0.0)
+
+
+def test_pixels_are_knocked_out_by_the_seed(tmp_path: Path) -> None:
+    root = with_depth(tmp_path, 2900, subjects=(2,))
+    for share, low, high in ((0.0, 0.0, 0.0), (0.4, 0.25, 0.55)):
+        measurement = measure_lift(root, ("pixel",), knock_out=share)
+        row = measurement.rows("pixel")[0]
+        assert row["knock_out"] == share
+        missing = np.mean([r["missing"] for r in measurement.rows("pixel")])
+        assert low <= missing <= high
+    again, other = (measure_lift(root, ("pixel",), knock_out=0.4, seed=seed) for seed in (0, 1))
+    np.testing.assert_array_equal(again.errors["pixel"].measured, measurement.errors["pixel"].measured)
+    assert (other.errors["pixel"].measured != measurement.errors["pixel"].measured).any()
+
+
+@pytest.mark.parametrize("share", [-0.1, 1.0, float("nan")])
+def test_a_share_that_is_none(tmp_path: Path, share: float) -> None:
+    with pytest.raises(InputError, match="knock_out must be a share from 0 to below 1"):
+        measure_lift(tmp_path, knock_out=share)
+
+
 def test_bad_files_are_left_out_by_name(tmp_path: Path) -> None:
     root = with_depth(tmp_path, 2900, subjects=(1, 2, 3, 4))
     (root / "Depth" / "a1_s1_t1_depth.mat").write_bytes(b"damaged")
@@ -95,8 +122,20 @@ def test_the_published_depth() -> None:
         if row["landmark"] in bounds:
             assert row["median_abs_mm"] <= bounds[row["landmark"]]
             assert row["beyond_150_mm"] <= 0.05
+        if row["landmark"] in JOINTS:
+            assert 0.6 <= row["within_1_sigma"] <= 0.75
+            assert 0.88 <= row["within_2_sigma"] <= 0.97
     paper = {(r["landmark"], r["subjects"]): r for r in measurement.rows("quartile")}
     for row in rows:
         if row["landmark"] == "shoulder":
             other = paper[row["landmark"], row["subjects"]]
             assert row["beyond_150_mm"] < other["beyond_150_mm"] / 3, "an arm before the chest is told apart"
+    assert measurement.ms_39_landmarks is not None and measurement.ms_39_landmarks < 1.0
+
+
+@needs_depth
+def test_the_published_depth_with_a_tenth_of_its_pixels_knocked_out() -> None:
+    whole, holed = (measure_lift(UTD, ("surface",), knock_out=share).rows("surface") for share in (0.0, 0.1))
+    for before, after in zip(whole, holed, strict=True):
+        assert after["missing"] <= 0.02
+        assert after["median_abs_mm"] <= before["median_abs_mm"] + 3.0

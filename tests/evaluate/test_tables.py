@@ -10,7 +10,8 @@ from wigwag.evaluate.tables import BEGIN, END, fill
 
 LIFT = {
     "landmark": "wrist", "median_abs_mm": 15.1, "bias_mm": 0.0, "beyond_150_mm": 0.034, "missing": 0.001,
-    "frames": 1838, "subjects": "s2 s4 s6 s8 (not fitted on)",
+    "knock_out": 0.1, "within_1_sigma": 0.663, "within_2_sigma": 0.901, "frames": 1838,
+    "subjects": "s2 s4 s6 s8 (not fitted on)",
 }  # fmt: skip
 
 
@@ -21,7 +22,7 @@ def test_tables_stand_between_the_markers(tmp_path: Path) -> None:
     fill(page, {"lift": [records]})
     text = page.read_text("utf-8")
     assert text.startswith("before\n") and text.endswith("after\n") and "old" not in text
-    assert text.count("| wrist | 15.1 | 3.4 | 0.1 | 1838 |") == 1
+    assert text.count("| wrist | 10 | 15.1 | 3.4 | 0.1 | 66.3 | 90.1 | 1838 |") == 1
     assert "left_wrist" not in text
 
 

@@ -153,6 +153,9 @@ def test_whatever_the_depth_the_answer_is_finite_and_in_reach(seed: int, statist
         assert (np.abs(lifted.points_m[:, 2] - lifted.distance_m) <= 1.0 + 0.13).all()
         assert (lifted.visibility[~lifted.measured] == 0).all()
         assert (lifted.visibility[lifted.measured] == 0.9).all()
+        assert (lifted.sigma_m >= 0.012).all() and np.isfinite(lifted.sigma_m).all()
+        assert (lifted.sigma_m[~lifted.measured] >= 0.045).all()
+        assert ((lifted.fill >= 0) & (lifted.fill <= 1)).all()
 
 
 def test_no_depth_at_the_person_is_none() -> None:
@@ -341,17 +344,83 @@ def test_depth_is_left_as_it_was_and_any_layout_will_do_without_compiling_anew()
     assert len(lift_depths.signatures) == 1
 
 
-def test_costs_under_half_a_millisecond() -> None:
+def test_39_landmarks_cost_under_a_millisecond() -> None:
+    """Three times the 13, which is more than BlazePose's 33; near by, where windows are large."""
     rng = np.random.default_rng(0)
-    depth = rng.integers(2950, 3050, size=(480, 640)).astype(np.uint16)
-    points, lifter = CAMERA.project(person()), Lifter()
+    depth = rng.integers(1950, 2050, size=(480, 640)).astype(np.uint16)
+    points, lifter = CAMERA.project(person(2.0)), Lifter()
     lifter(points, SEEN, depth, CAMERA)
     times = []
     for _ in range(50):
-        start = time.perf_counter()
-        lifter(points, SEEN, depth, CAMERA)
-        times.append(time.perf_counter() - start)
-    assert min(times) < 0.5e-3, "the fastest of 50, so that a busy machine does not fail it"
+        start = time.thread_time()
+        for _ in range(3):
+            lifter(points, SEEN, depth, CAMERA)
+        times.append(time.thread_time() - start)
+    assert min(times) < 1e-3, "the fastest of 50, so that a busy machine does not fail it"
+
+
+def noisy_wall(z_mm: int, sd_mm: float, seed: int = 0) -> np.ndarray:
+    noise = np.random.default_rng(seed).normal(0, sd_mm, size=(CAMERA.height, CAMERA.width))
+    return np.uint16(z_mm + noise)
+
+
+def test_spread_is_that_of_the_surface_and_nothing_elses() -> None:
+    depth = noisy_wall(3000, 25.0)
+    u, v = CAMERA.project(person()[L_SHOULDER]).astype(int)
+    depth[v - 8 : v + 4, u - 60 : u + 61] = 2750
+    lifted = lift(depth)
+    np.testing.assert_allclose(lifted.spread_m, 0.025, rtol=0.35)
+    assert lifted.fill[R_SHOULDER] > 0.95
+    assert 0.3 < lifted.fill[L_SHOULDER] < 0.8
+    assert not lifted.widened.any()
+
+
+def test_sigma_grows_with_all_that_makes_a_depth_unsure() -> None:
+    clean = lift(plane(3000)).sigma_m
+    assert (clean >= 0.012).all() and (clean < 0.03).all()
+    assert (lift(noisy_wall(3000, 40.0)).sigma_m > clean).all(), "spread"
+    far = Lifter()(CAMERA.project(person(6.0)), SEEN, plane(6000), CAMERA)
+    assert far is not None
+    assert (far.sigma_m > clean).all(), "distance"
+    hardly = Lifter()(CAMERA.project(person()), np.full(13, 0.1), plane(3000), CAMERA)
+    assert hardly is not None
+    assert (hardly.sigma_m > 0.06).all(), "visibility"
+    depth = plane(3000)
+    box(depth, person()[L_WRIST], 60, 0)
+    holed = lift(depth)
+    assert holed.measured[L_WRIST] and not holed.widened[L_WRIST]
+    assert holed.sigma_m[L_WRIST] > clean[L_WRIST], "a hole"
+    box(depth, person()[L_WRIST], 110, 0)
+    wide = lift(depth)
+    assert wide.widened[L_WRIST]
+    assert wide.sigma_m[L_WRIST] > holed.sigma_m[L_WRIST], "a wider window"
+    box(depth, person()[L_WRIST], 320, 0)
+    filled = lift(depth)
+    assert not filled.measured[L_WRIST]
+    assert filled.sigma_m[L_WRIST] > wide.sigma_m[L_WRIST], "a neighbour's depth"
+    others = [i for i in range(13) if i not in (L_WRIST, L_ELBOW, L_HIP)]
+    np.testing.assert_array_equal(filled.sigma_m[others], clean[others])
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5])
+def test_pixels_knocked_out_leave_landmarks_where_they_are(share: float) -> None:
+    rng = np.random.default_rng(4)
+    depth = noisy_wall(4000, 12.0)
+    whole = lift(depth, CAMERA.project(person(4.0)))
+    depth[rng.random(depth.shape) < share] = 0
+    lifted = lift(depth, CAMERA.project(person(4.0)))
+    assert lifted.measured.all()
+    np.testing.assert_allclose(lifted.points_m[:, 2], whole.points_m[:, 2], atol=0.006)
+    np.testing.assert_allclose(lifted.fill, 1.0 - share, atol=0.15)
+
+
+def test_a_visibility_that_is_no_number_counts_as_unseen() -> None:
+    seen = SEEN.copy()
+    seen[L_WRIST] = np.nan
+    lifted = Lifter()(CAMERA.project(person()), seen, plane(3000), CAMERA)
+    assert lifted is not None
+    assert lifted.visibility[L_WRIST] == 0.0
+    assert np.isfinite(lifted.sigma_m).all()
 
 
 def test_landmark_order_is_the_houses() -> None:

@@ -10,7 +10,8 @@ from jaxtyping import Bool, Float, UInt16
 
 from wigwag.camera.frame import Intrinsics
 from wigwag.errors import InputError
-from wigwag.pose.lift_kernels import Task, lift_depths
+from wigwag.pose.lift_kernels import DEPTH, FILL, SPREAD, WIDENED, Task, lift_depths
+from wigwag.pose.uncertainty import lifted_sigma_m
 from wigwag.skeleton import LANDMARKS, N_LANDMARKS
 
 Statistic = Literal["surface", "quartile", "median", "pixel"]
@@ -76,6 +77,14 @@ class Lifted:
     """The visibility that came in, 0 where a landmark was filled in."""
     measured: Bool[np.ndarray, 13]
     """Whether the landmark's depth was measured (true) or filled in from its neighbours (false)."""
+    widened: Bool[np.ndarray, 13]
+    """Whether it took a window twice as wide to measure it (a hole at the landmark, or an arm before it)."""
+    spread_m: Float[np.ndarray, 13]
+    """Spread of the depths of the landmark's surface within its window, metres; 0 where filled in."""
+    fill: Float[np.ndarray, 13]
+    """Share of the window's pixels that this surface fills; holes and all else take the rest."""
+    sigma_m: Float[np.ndarray, 13]
+    """One standard deviation of the landmark's place along its worst axis, metres."""
     distance_m: float
     """The body's distance along the optical axis: the paper's first-quartile mean over the trunk."""
 
@@ -116,7 +125,7 @@ class Lifter:
         Args:
             points_px: Landmarks in pixels (u right, v down), the order of ``LANDMARKS``; may lie outside
                 the picture.
-            visibility: 0 to 1 each.
+            visibility: 0 to 1 each; NaN counts as 0.
             depth_mm: Depth aligned to the picture, millimetres, 0 where there is none.
             intrinsics: Of the picture that depth and landmarks share.
 
@@ -132,14 +141,22 @@ class Lifter:
         task = Task(
             float(intrinsics.fx), float(intrinsics.fy), float(config.window_mm), float(config.reach_mm), code
         )
-        surface_mm, distance_mm = lift_depths(_one_kind(depth_mm), points, task)
+        found, distance_mm = lift_depths(_one_kind(depth_mm), points, task)
         if distance_mm <= 0.0:
             return None
-        measured = surface_mm > 0.0
-        z_mm = _filled(surface_mm + self._offsets_mm, measured, distance_mm + self._offsets_mm)
-        points_m = intrinsics.deproject(points, z_mm * 1e-3)
-        seen = np.where(measured, np.asarray(visibility, dtype=np.float64), 0.0)
-        return Lifted(points_m, seen, measured, float(distance_mm) * 1e-3)
+        measured = found[:, DEPTH] > 0.0
+        z_mm = _filled(found[:, DEPTH] + self._offsets_mm, measured, distance_mm + self._offsets_mm)
+        visibility = np.nan_to_num(np.asarray(visibility, dtype=np.float64), nan=0.0)
+        return Lifted(
+            points_m=intrinsics.deproject(points, z_mm * 1e-3),
+            visibility=np.where(measured, visibility, 0.0),
+            measured=measured,
+            widened=found[:, WIDENED] > 0.0,
+            spread_m=found[:, SPREAD] * 1e-3,
+            fill=found[:, FILL],
+            sigma_m=lifted_sigma_m(found, measured, z_mm, visibility),
+            distance_m=float(distance_mm) * 1e-3,
+        )
 
 
 def _checked(points_px: Any, visibility: Any, depth_mm: Any) -> Float[np.ndarray, "13 2"]:

@@ -12,6 +12,11 @@ from wigwag.skeleton import Landmark
 SURFACE, QUARTILE, MEDIAN, PIXEL = range(4)
 """Codes of the statistics."""
 
+DEPTH, SPREAD, FILL, WIDENED = range(4)
+"""Columns of what the kernel finds for a landmark: depth, millimetres, 0 if there is none; half the range of
+the middle two thirds of its surface's depths, millimetres; the share of the window's pixels that the surface
+fills (holes, the background and other surfaces take the rest); 1 if a window twice as wide was needed."""
+
 
 class Task(NamedTuple):
     """What the kernels must know beside picture and landmarks."""
@@ -67,14 +72,14 @@ def lift_depths(depth: Any, points: Any, task: Task) -> Any:
         task: See :class:`Task`.
 
     Returns:
-        Depths in millimetres, shape (13,), 0 where there is none; and the body's distance in millimetres,
-        0 if there is no depth at the trunk.
+        Shape (13, 4), the columns above, all 0 where there is no depth; and the body's distance in
+        millimetres, 0 if there is no depth at the trunk.
     """
-    z = np.zeros(len(points))
+    found = np.zeros((len(points), 4))
     values = np.empty(4 * _TRUNK_SAMPLES + 4 * _WINDOW_SAMPLES * _WINDOW_SAMPLES)
     n = _trunk_depths(depth, points, values)
     if n == 0:
-        return z, 0.0
+        return found, 0.0
     trunk_depths = np.sort(values[:n])
     distance = _first_quartile_mean(trunk_depths)
     trunk = trunk_depths[int(n * _TRUNK_QUANTILE)]
@@ -84,29 +89,36 @@ def lift_depths(depth: Any, points: Any, task: Task) -> Any:
             continue
         if task.statistic == PIXEL:
             pixel = float(depth[int(np.floor(v + 0.5)), int(np.floor(u + 0.5))])
-            z[i] = pixel if abs(pixel - distance) <= task.reach_mm else 0.0
+            if abs(pixel - distance) <= task.reach_mm:
+                found[i] = np.array([pixel, 0.0, 1.0, 0.0])
             continue
         for widen in (1.0, 2.0):  # a hole at the landmark may be smaller than twice the window
             scale = widen * (_SCALE[i] if task.statistic == SURFACE else 1.0)
             # eq. window: 90 mm x f / Z
             side_mm = scale * task.window_mm
             half = (0.5 * side_mm * task.fx / distance, 0.5 * side_mm * task.fy / distance)
-            n = _gather(depth, (u, v), half, (distance - task.reach_mm, distance + task.reach_mm), values)
+            accepted = (distance - task.reach_mm, distance + task.reach_mm)
+            n, pixels = _gather(depth, (u, v), half, accepted, values)
             if n == 0:
                 continue
             window = np.sort(values[:n])
+            value: Any = 0.0
+            start, end = 0, n
             if task.statistic == QUARTILE:
-                found = _first_quartile_mean(window)
+                value = _first_quartile_mean(window)
             elif task.statistic == MEDIAN:
-                found = np.median(window)
+                value = np.median(window)
             else:
-                found = _surface(window, i, z, trunk)
-            if found > 0.0:
-                z[i] = found
-                covered = task.statistic == SURFACE and _RULE[i] == _TRUNK and found < trunk - _ARM_MM
+                value, start, end = _surface(window, i, found[:, DEPTH], trunk)
+            if value > 0.0:
+                found[i, DEPTH] = value
+                found[i, SPREAD] = _spread(window[start:end])
+                found[i, FILL] = (end - start) / pixels
+                found[i, WIDENED] = 1.0 if widen > 1.0 else 0.0
+                covered = task.statistic == SURFACE and _RULE[i] == _TRUNK and value < trunk - _ARM_MM
                 if not covered:
                     break
-    return z, distance
+    return found, distance
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -152,26 +164,39 @@ def _first_quartile_mean(ascending: Any) -> Any:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _gather(depth: Any, center: Any, half: Any, accepted: Any, values: Any) -> int:
-    """Collect the depths within ``accepted`` in the window around ``center``; returns how many."""
+def _spread(ascending: Any) -> Any:
+    """Half the range of the middle two thirds: for Gaussian noise, its standard deviation."""
+    last = len(ascending) - 1
+    return 0.5 * (ascending[int(0.84 * last + 0.5)] - ascending[int(0.16 * last + 0.5)])
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _gather(depth: Any, center: Any, half: Any, accepted: Any, values: Any) -> Any:
+    """Collect the depths within ``accepted`` in the window around ``center``.
+
+    Returns how many there are, and how many pixels were looked at.
+    """
     height, width = depth.shape
     half_u, half_v = max(half[0], 1.0), max(half[1], 1.0)
     u0, u1 = max(int(np.ceil(center[0] - half_u)), 0), min(int(np.floor(center[0] + half_u)), width - 1)
     v0, v1 = max(int(np.ceil(center[1] - half_v)), 0), min(int(np.floor(center[1] + half_v)), height - 1)
     stride = (max(u1 - u0, v1 - v0) + _WINDOW_SAMPLES) // _WINDOW_SAMPLES
-    n = 0
+    n, pixels = 0, 0
     for v in range(v0, v1 + 1, stride):
         for u in range(u0, u1 + 1, stride):
+            pixels += 1
             z = float(depth[v, u])
             if z > 0.0 and accepted[0] <= z <= accepted[1]:
                 values[n] = z
                 n += 1
-    return n
+    return n, pixels
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _surface(window: Any, i: int, z: Any, trunk: float) -> Any:
-    """Split a window's ascending depths into surfaces and pick landmark ``i``'s; 0 if none can be its own.
+    """Split a window's ascending depths into surfaces and pick landmark ``i``'s.
+
+    Returns its depth, 0 if no surface can be the landmark's own, and where it starts and ends in the window.
 
     Surfaces are runs of depths without a gap. One that no bone could reach from the parent's depth is
     the background, not the landmark.
@@ -182,7 +207,7 @@ def _surface(window: Any, i: int, z: Any, trunk: float) -> Any:
     reach = _BONE_MM[i] if hangs or parent < 0 else 2.0 * _BONE_MM[i]
     gap = _GAP_MM * max(1.0, trunk / _GAP_FROM_MM) ** 2
     n = len(window)
-    best_score, best, start = -np.inf, 0.0, 0
+    best_score, best, best_start, best_end, start = -np.inf, 0.0, 0, n, 0
     for end in range(1, n + 1):
         if end < n and window[end] - window[end - 1] <= gap:
             continue
@@ -197,9 +222,12 @@ def _surface(window: Any, i: int, z: Any, trunk: float) -> Any:
         # an elbow misread onto the chest must not forbid the wrist before it: a wrist may be any nearer
         possible = value - anchor <= reach and (anchor - value <= reach or _RULE[i] == _FRONT)
         if possible and end - start >= _LEAST_SHARE * n and score > best_score:
-            best_score, best = score, value
+            best_score, best, best_start, best_end = score, value, start, end
         start = end
-    return best
+    return best, best_start, best_end
 
 
-__all__ = ["MEDIAN", "PIXEL", "QUARTILE", "SURFACE", "Task", "lift_depths"]
+__all__ = [
+    "DEPTH", "FILL", "MEDIAN", "PIXEL", "QUARTILE", "SPREAD", "SURFACE", "WIDENED", "Task",
+    "lift_depths",
+]  # fmt: skip
