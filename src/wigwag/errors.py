@@ -27,3 +27,7 @@ class MissingExtraError(WigwagError, ImportError):
 
 class NotFittedError(WigwagError, AttributeError):
     """A recogniser or transform was used before ``fit``."""
+
+
+class ViewError(WigwagError):
+    """A window or page in which to look at things cannot be opened."""

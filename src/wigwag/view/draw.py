@@ -32,7 +32,8 @@ _LABELLED = tuple(
     for point in Point
     if point.name.endswith(("NOSE", "SHOULDER", "ELBOW", "WRIST", "HIP", "KNEE", "ANKLE"))
 )
-_BODY_SIDES = tuple(name.lower() for name in Point.__members__)
+BODY_NAMES = tuple(name.lower() for name in Point.__members__)
+"""Names of BlazePose's 33 landmarks, in order."""
 
 
 def draw_body(picture: Picture, body: Body, names: bool = False) -> None:
@@ -43,7 +44,7 @@ def draw_body(picture: Picture, body: Body, names: bool = False) -> None:
         body: What was found in a picture of this size.
         names: Whether the landmarks' names stand beside them.
     """
-    draw_skeleton(picture, body.points_px, body.visibility, BODY_BONES, _BODY_SIDES)
+    draw_skeleton(picture, body.points_px, body.visibility, BODY_BONES, BODY_NAMES)
     if names:
         _names(picture, body)
 
@@ -73,12 +74,12 @@ def draw_skeleton(
     width = _line_width(picture, points[usable])
     sides = [_side(name) for name in names]
     lines = [(a, b) for a, b in bones if usable[a] and usable[b]]
+    colors = dict(zip(bones, bone_colors(bones, names), strict=True))
     for a, b in lines:
         cv2.line(picture, places[a], places[b], _OUTLINE, width + max(2, width // 2), cv2.LINE_AA, _SHIFT)
     for a, b in lines:
-        color = sides[a] if sides[a] == sides[b] else MIDDLE
-        clear = min(seen[a], seen[b])
-        cv2.line(picture, places[a], places[b], _faded(color, clear), width, cv2.LINE_AA, _SHIFT)
+        color = _faded(colors[a, b], min(seen[a], seen[b]))
+        cv2.line(picture, places[a], places[b], color, width, cv2.LINE_AA, _SHIFT)
     for i in range(len(points)):
         if not usable[i]:
             continue
@@ -88,6 +89,16 @@ def draw_skeleton(
         cv2.circle(picture, places[i], round(radius), _OUTLINE, -1, cv2.LINE_AA, _SHIFT)
         dot = _faded(_DOT, seen[i])
         cv2.circle(picture, places[i], round(0.66 * radius), dot, -1, cv2.LINE_AA, _SHIFT)
+
+
+def bone_colors(bones: Sequence[tuple[int, int]], names: Sequence[str]) -> list[Color]:
+    """Return a colour a bone: the person's left blue, right orange, what joins both green.
+
+    Example:
+        >>> bone_colors([(0, 2), (0, 1)], ["left_hip", "right_hip", "left_knee"]) == [LEFT, MIDDLE]
+        True
+    """
+    return [_side(names[a]) if _side(names[a]) == _side(names[b]) else MIDDLE for a, b in bones]
 
 
 def draw_banner(picture: Picture, text: str, detail: str = "", color: Color = MIDDLE) -> None:
@@ -155,4 +166,7 @@ def _faded(color: Color, visibility: float) -> Color:
     return red, green, blue
 
 
-__all__ = ["LEFT", "MIDDLE", "MISSING", "RIGHT", "draw_banner", "draw_body", "draw_skeleton"]
+__all__ = [
+    "BODY_NAMES", "LEFT", "MIDDLE", "MISSING", "RIGHT", "Color", "bone_colors", "draw_banner", "draw_body",
+    "draw_skeleton",
+]  # fmt: skip
