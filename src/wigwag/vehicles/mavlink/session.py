@@ -23,6 +23,7 @@ _S = 1_000_000_000
 _MUTE_S = 0.6
 """A link that gave no answer for so long may have swallowed set-points."""
 _RETRY_S = 1.0
+_LONG_AGO_NS = -1_000_000 * _S
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,12 +95,12 @@ class Session:
         self._asked_for = ""
         self._then_height_m: float | None = None
         self._taking_off = False
-        self._setpoint, self._stamp_ns = HOVER, -1
+        self._setpoint, self._stamp_ns = HOVER, _LONG_AGO_NS
         self._steered_ns = -1
         """When a set-point last left that counts; -1: it is not steered."""
         self._flow_ns: int | None = None
         """Since when set-points have been leaving without a gap."""
-        self._beat_ns = self._heartbeat_ns = self._setup_ns = self._tried_ns = -1
+        self._beat_ns = self._heartbeat_ns = self._setup_ns = self._tried_ns = _LONG_AGO_NS
         self._count = self._restarts = 0
         self._as_gcs = c.heartbeat == "gcs"
 
@@ -219,7 +220,7 @@ class Session:
 
     def _periodic(self, now_ns: int) -> None:
         self._count += 1
-        alive = self._beat_ns >= 0 and now_ns - self._beat_ns <= self.config.beat_s * _S
+        alive = now_ns - self._beat_ns <= self.config.beat_s * _S
         if alive and now_ns - self._heartbeat_ns >= 0.98 * _S:
             self._heartbeat_ns = now_ns
             self._post_heartbeat()
@@ -242,12 +243,13 @@ class Session:
             self.trouble = "the autopilot was restarted"
             self.control.restart()
             self._asked, self._asked_for, self._taking_off, self._steered_ns = None, "", False, -1
-            self._setup_ns, self._setting_up = -1, None
+            self._setup_ns, self._setting_up = _LONG_AGO_NS, None
         if self._requests is None:
             self._requests = Requests(self.talk, self.control)
         if t.echo_ns is not None and now_ns - t.link_ns() > _MUTE_S * _S:
             self.control.lapsed(now_ns)
-        silent = now_ns - min(t.position.arrived_ns, t.attitude.arrived_ns) > 2 * _S or t.landed is None
+        came_ns = min(t.position.arrived_ns, t.attitude.arrived_ns)
+        silent = not self.ready or now_ns - came_ns > 2 * _S or t.landed is None
         heard = now_ns - t.heard_ns < _S
         if heard and silent and self._setting_up is None and now_ns - self._setup_ns > 3 * _S:
             self._setup_ns = now_ns
@@ -312,6 +314,7 @@ class Session:
         if self._asked_for == what or (self.talk.telemetry.custom_mode == mode and not self._asked_for):
             return True
         self._taking_off = False
+        self._setpoint, self._stamp_ns, self._flow_ns = HOVER, _LONG_AGO_NS, None  # those before it are void
         return self._ask(what, self._requests.change(mode), now_ns)
 
     # Set-points, and what is sent when there are none.
@@ -336,7 +339,7 @@ class Session:
             if steering and self._steered_ns >= 0:
                 self._post(HOVER, now_ns)
             return
-        age_s = (now_ns - self._stamp_ns) * 1e-9 if self._stamp_ns >= 0 else math.inf
+        age_s = (now_ns - self._stamp_ns) * 1e-9
         if age_s <= self.config.fresh_s:
             self._flow_ns = self._flow_ns if self._flow_ns is not None else now_ns
             self._post(self._setpoint, now_ns)
