@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import socket
 import threading
 import time
@@ -70,7 +71,5 @@ class AutopilotServer:
                 if data:
                     self.autopilot.receive(data)
             for packet in packets:
-                try:
+                with contextlib.suppress(ConnectionRefusedError):  # nobody listens yet
                     self._socket.sendto(packet, self._to)
-                except ConnectionRefusedError:
-                    pass  # nobody listens yet
