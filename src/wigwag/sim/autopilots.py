@@ -140,7 +140,7 @@ class FakeArduPilot(FakeAutopilot):
 
     def _boot(self) -> None:
         super()._boot()
-        self._steered = False
+        self._steered = self._breached = False
 
     @property
     def _landing(self) -> bool:
@@ -157,9 +157,11 @@ class FakeArduPilot(FakeAutopilot):
             self._target_m = None
         if not self.armed:
             return
-        if self._outside() and self.parameters["FENCE_ENABLE"][0] and self.mode != self.RTL:
+        outside = self._outside() and bool(self.parameters["FENCE_ENABLE"][0])
+        if outside and not self._breached:
             self.mode, self.critical = self.RTL, True
             self.say("Fence Breached")
+        self._breached = outside
         stations = [at for at, system, _ in self.heartbeats if system == 255]
         if stations and self.now_s - stations[-1] > 5.0 and self.parameters["FS_GCS_ENABLE"][0] == 1:
             self.mode, self.critical = self.RTL, True

@@ -17,8 +17,12 @@ Procedure = Generator[None, None, str]
 _S = 1_000_000_000
 _ACCEPTED, _BUSY, _IN_PROGRESS = 0, 1, 5
 """MAV_RESULT: accepted, temporarily rejected, in progress."""
-_RESULTS = {2: "denied", 3: "not supported", 4: "failed", 6: "cancelled"}
+_RESULTS = {1: "denied for now", 2: "denied", 3: "not supported", 4: "failed", 6: "cancelled"}
 _SET_MODE, _SET_INTERVAL = 176, 511
+_UNDATED = frozenset({"HEARTBEAT", "EXTENDED_SYS_STATE", "SYS_STATUS", "GLOBAL_POSITION_INT"})
+"""Messages of the moment that do not tell, or are not asked, when it was."""
+_BEHIND = 64
+"""A packet that is so many numbers behind the newest, or fewer, is a late one; their 8 bits leave it open."""
 _OWN_COMPONENT = 191
 """MAV_COMP_ID_ONBOARD_COMPUTER."""
 
@@ -53,6 +57,8 @@ class Conversation:
         self.passed_over = ""
         """What was heard that cannot be flown. For people to read."""
         self._system = system
+        self._newest: int | None = None
+        self._numbers: dict[str, int] = {}
         self._acks: dict[int, int] = {}
         self._asked_ns: dict[int, int] = {}
         """Our own clock messages that are on their way: sent when."""
@@ -92,6 +98,8 @@ class Conversation:
                 self._find(message, source)
             if self.autopilot is None or source != self.target:
                 continue
+            if self._late(kind, message.get_seq()) and kind in _UNDATED:
+                continue
             self._take(kind, message)
             beaten |= kind == "HEARTBEAT"
         return beaten
@@ -112,6 +120,7 @@ class Conversation:
         """
         name = self.autopilot.name if self.autopilot else "the autopilot"
         self._acks.pop(request.command, None)
+        answer = "not answered"
         for attempt in range(self.tries):
             self.post(
                 self._coder.command_long_encode(*self.target, request.command, attempt, *request.params)
@@ -126,13 +135,18 @@ class Conversation:
                     return ""
                 if result in (_ACCEPTED, _IN_PROGRESS):
                     deadline, accepted = self.now_ns + 3 * _S, True
-                elif result is not None and result != _BUSY:
-                    said = self.telemetry.complaint(self.now_ns)
-                    reason = _RESULTS.get(result, f"result {result}")
-                    return f"{name}: {request.what} {reason}" + (f" ({said})" if said else "")
+                elif result is not None:
+                    answer = _RESULTS.get(result, f"result {result}")
+                    if result != _BUSY:
+                        return self._refusal(request, answer)
             if accepted:
                 return f"{name} accepted to {request.what}, but it did not happen"
-        return f"{name}: {request.what} not answered"
+        return self._refusal(request, answer)
+
+    def _refusal(self, request: CommandRequest, answer: str) -> str:
+        name = self.autopilot.name if self.autopilot else "the autopilot"
+        said = self.telemetry.complaint(self.now_ns)
+        return f"{name}: {request.what} {answer}" + (f" ({said})" if said else "")
 
     def set_mode(self, custom_mode: int) -> Procedure:
         """Change the flight mode; given up as soon as somebody else changes it."""
@@ -187,6 +201,17 @@ class Conversation:
         # A companion computer is a part of the vehicle: it bears its system id (mavlink.io, 'MAVLink IDs').
         self._coder.srcSystem = source[0]
         self.telemetry = Telemetry(autopilot.prearm_present)
+
+    def _late(self, kind: str, number: int) -> bool:
+        """Say whether a packet was sent before the last of its kind, or is the same, by its number."""
+        if self._newest is None:
+            self._newest = number
+        step = (number - self._newest + _BEHIND) % 256 - _BEHIND
+        number = self._newest + step  # counted on beyond 8 bits
+        self._newest = max(self._newest, number)
+        late = number <= self._numbers.get(kind, -1)
+        self._numbers[kind] = max(number, self._numbers.get(kind, -1))
+        return late
 
     def _take(self, kind: str, message: Any) -> None:
         self.telemetry.update(message, self.now_ns)

@@ -36,7 +36,7 @@ def streams(talk: Conversation, stream_hz: float) -> Procedure:
     """
     wanted = (
         (_LOCAL_POSITION, stream_hz), (_ATTITUDE, stream_hz), (_EXTENDED_SYS_STATE, 5.0),
-        (_HEARTBEAT, 5.0),  # so that a pilot's change of mode is seen in a fifth of a second
+        (_HEARTBEAT, 10.0),  # so that a pilot's change of mode is seen in a tenth of a second
         (_GLOBAL_POSITION, 5.0), (_SYS_STATUS, 2.0), (_GPS_RAW_INT, 1.0),
     )  # fmt: skip
     for message_id, rate_hz in wanted:
