@@ -40,8 +40,8 @@ class MavlinkConfig:
     """How often set-points are sent, evenly, whatever the loop's own rate; 8 to 100."""
     stream_hz: float = 30.0
     """How often position and attitude are asked for; less for slow radios."""
-    fresh_s: float = 0.25
-    """Nothing older is sent as it is."""
+    fresh_s: float = 0.22
+    """Nothing older is sent as it is: with the wait for the next even moment, 250 ms end to end."""
     still_s: float = 0.5
     """How long standing still is sent after that, before the vehicle is told to hold."""
     beat_s: float = 1.0
