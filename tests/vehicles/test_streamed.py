@@ -23,7 +23,7 @@ class Drone:
     def __init__(self, services=("arm", "take_off", "land", "hold")):
         self.services = frozenset(services)
         self.sent, self.called = [], []
-        self.refuse = ""
+        self.refuse, self.slow, self.pending = "", False, []
         self.now_ns = S
         self.vehicle = StreamedVehicle(self, Capabilities("test", 0.22), lambda: self.now_ns)
         self.height, self.x, self.moving = 0.0, 0.0, True
@@ -37,7 +37,10 @@ class Drone:
 
     def call(self, service, answer):
         self.called.append(service)
-        answer(not self.refuse, self.refuse)
+        if self.slow:
+            self.pending.append(answer)
+        else:
+            answer(not self.refuse, self.refuse)
 
     def turn(self, setpoint=None, climb=0.0):
         self.now_ns += S // 30
@@ -140,6 +143,21 @@ def test_a_refused_service_is_told():
     drone.refuse = ""
     assert drone.vehicle.arm()
     assert drone.vehicle.state.denied == ""
+
+
+def test_a_take_off_may_be_asked_for_while_it_arms():
+    drone = Drone()
+    drone.slow = True
+    drone.turn()
+    assert drone.vehicle.arm() and drone.vehicle.take_off(1.0)
+    assert drone.called == ["arm"]
+    drone.pending.pop()(False, "not now")
+    assert drone.called == ["arm"]
+    assert drone.vehicle.arm() and drone.vehicle.take_off(1.0)
+    drone.pending.pop()(True, "")
+    assert drone.called == ["arm", "arm", "take_off"]
+    drone.pending.pop()(True, "")
+    assert drone.vehicle.mode is FlightMode.TAKING_OFF
 
 
 def test_a_frozen_position_grows_old():

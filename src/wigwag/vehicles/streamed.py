@@ -94,7 +94,7 @@ class StreamedVehicle:
         self._moved_ns = 0
         self._denied = self._trouble = ""
         self._setpoint, self._stamp_ns = HOVER, _NEVER_NS
-        self._steered = False
+        self._steered = self._arming = self._then_take_off = False
 
     @property
     def mode(self) -> FlightMode:
@@ -155,10 +155,11 @@ class StreamedVehicle:
                 if self._reported is None:
                     self._become(FlightMode.READY)
                 return self.mode is FlightMode.READY
+            self._arming, self._then_take_off = True, False
             return self._call("arm", FlightMode.READY)
 
     def take_off(self, height_m: float = 1.5) -> bool:
-        """Call the take-off service; the height is the vehicle's own, as the service takes none.
+        """Call the take-off service, now or once it is armed; the height is the vehicle's own.
 
         Raises:
             InputError: If the height is not positive.
@@ -166,9 +167,12 @@ class StreamedVehicle:
         if not height_m > 0:
             raise InputError(f"take_off needs a height above 0 m, but got {height_m}.")
         with self._lock:
-            if self.mode is not FlightMode.READY or "take_off" not in self._middleware.services:
+            if "take_off" not in self._middleware.services:
                 return False
-            return self._call("take_off", FlightMode.TAKING_OFF)
+            if self._arming:
+                self._then_take_off = True
+                return True
+            return self.mode is FlightMode.READY and self._call("take_off", FlightMode.TAKING_OFF)
 
     def land(self) -> bool:
         """Call the landing service."""
@@ -268,6 +272,11 @@ class StreamedVehicle:
                     self._become(then)
                 else:
                     self._denied = f"{service} was refused" + (f": {said}" if said else "")
+                if service == "arm":
+                    self._arming, again = False, self._then_take_off and accepted
+                    self._then_take_off = False
+                    if again:
+                        self._call("take_off", FlightMode.TAKING_OFF)
 
         if service not in self._middleware.services:
             return False
