@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import multiprocessing
 import socket
+import struct
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -13,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from wigwag.errors import InputError
 from wigwag.fly.values import Setpoint
 from wigwag.vehicles.mavlink import MavlinkConfig, MavlinkVehicle
 from wigwag.vehicles.mavlink.links import UdpLink
@@ -21,6 +25,8 @@ _RATE_HZ = 30.0
 _STEP_M_S = 1e-4
 """Every decision asks for another speed by this, so that it is known again on the wire."""
 _SETTLE_S = 2.0
+_SO_TIMESTAMPNS = 35
+"""Linux; Python has no name for it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +60,12 @@ def measure_link(seconds: float, work: Callable[[], object], load: str) -> LinkF
         seconds: How long.
         work: What the loop does in each of its turns before it decides.
         load: What that is called.
+
+    Raises:
+        InputError: Elsewhere than on Linux.
     """
+    if not sys.platform.startswith("linux"):
+        raise InputError("wigwag benchmark link stamps packets in the Linux kernel: it needs Linux.")
     context = multiprocessing.get_context("spawn")
     here, there = context.Pipe()
     port = _free_port()
@@ -96,7 +107,6 @@ def _fly(
 def _other_end(pipe: Connection, port: int) -> None:
     """Be an ArduPilot that hovers already, until told that it is enough; tell what came and when."""
     from wigwag.sim.autopilot import FakeConfig
-    from wigwag.sim.autopilot_server import AutopilotServer
     from wigwag.sim.autopilots import FakeArduPilot
     from wigwag.sim.pointmass import PointMass
 
@@ -104,10 +114,26 @@ def _other_end(pipe: Connection, port: int) -> None:
         FakeConfig(settle_s=0.1, radius_m=1e6, ceiling_m=1e6), PointMass(position_m=(0.0, 0.0, 3.0))
     )
     fake.armed, fake.origin, fake.mode = True, True, fake.GUIDED
-    with AutopilotServer(fake, ("127.0.0.1", port)) as server:
-        pipe.recv()
-        with server.lock:
-            pipe.send([(at_s, message.vx) for at_s, message in fake.received])
+    fake.now_s = fake.booted_s = time.monotonic()
+    came: list[tuple[float, float]] = []
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as wire:
+        wire.bind(("127.0.0.1", 0))
+        wire.settimeout(0.005)
+        wire.setsockopt(socket.SOL_SOCKET, _SO_TIMESTAMPNS, 1)
+        ahead_s = time.time() - time.monotonic()
+        while not pipe.poll():
+            known = len(fake.received)
+            with contextlib.suppress(TimeoutError, ConnectionRefusedError):
+                data, control, _, _ = wire.recvmsg(4096, 64)
+                fake.receive(data)
+                # When the kernel got it, not when this process was let run.
+                seconds, nanoseconds = struct.unpack("qq", control[0][2][:16])
+                at_s = seconds + nanoseconds * 1e-9 - ahead_s
+                came += [(at_s, message.vx) for _, message in fake.received[known:]]
+            for packet in fake.step(time.monotonic()):
+                with contextlib.suppress(ConnectionRefusedError):
+                    wire.sendto(packet, ("127.0.0.1", port))
+    pipe.send(came)
 
 
 def _figures(arrived: np.ndarray, decided: np.ndarray, turns: np.ndarray, load: str) -> LinkFigures:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -13,6 +16,9 @@ from wigwag.vehicles.mavlink.session import MavlinkConfig, Session
 from wigwag.vehicles.protocol import Capabilities, FlightMode
 
 _FIND_S, _SETTLE_S, _REOPEN_S, _JOIN_S = 15.0, 10.0, 0.5, 2.0
+_SWITCH_S = 0.0005
+_PRIORITY = 10
+"""Of the sending thread, where the system grants real-time scheduling (SCHED_FIFO)."""
 
 
 class MavlinkVehicle:
@@ -84,6 +90,8 @@ class MavlinkVehicle:
         if self._threads:
             return
         self.link.open()
+        # Python lets a thread keep the interpreter for 5 ms while others wait; the sender cannot.
+        sys.setswitchinterval(min(sys.getswitchinterval(), _SWITCH_S))
         for name, work in (("mavlink-read", self._read), ("mavlink-send", self._send)):
             thread = threading.Thread(target=work, name=name, daemon=True)
             self._threads.append(thread)
@@ -193,6 +201,9 @@ class MavlinkVehicle:
             self.session.trouble = ""
 
     def _send(self) -> None:
+        if hasattr(os, "sched_setscheduler"):
+            with contextlib.suppress(OSError):
+                os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(_PRIORITY))
         try:
             while not self._closing.is_set():
                 with self._lock:
