@@ -15,7 +15,7 @@ from wigwag.vehicles.mavlink.links import Link
 from wigwag.vehicles.mavlink.session import MavlinkConfig, Session
 from wigwag.vehicles.protocol import Capabilities, FlightMode
 
-_FIND_S, _SETTLE_S, _REOPEN_S, _JOIN_S = 15.0, 10.0, 0.5, 2.0
+_FIND_S, _SETTLE_S, _REOPEN_S, _JOIN_S = 15.0, 30.0, 0.5, 2.0
 _SWITCH_S = 0.0005
 _PRIORITY = 10
 """Of the sending thread, where the system grants real-time scheduling (SCHED_FIFO)."""
