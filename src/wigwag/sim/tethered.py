@@ -6,7 +6,7 @@ from wigwag.errors import VehicleError
 from wigwag.fly.values import Setpoint, VehicleState
 from wigwag.sim.autopilot import FakeAutopilot
 from wigwag.sim.wire import Wire, WireConfig
-from wigwag.vehicles.mavlink.session import MavlinkConfig, Session
+from wigwag.vehicles.mavlink import MavlinkConfig, Session
 from wigwag.vehicles.protocol import Capabilities, FlightMode
 
 _STEP_S = 0.005

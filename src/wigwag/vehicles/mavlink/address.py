@@ -7,8 +7,8 @@ from typing import Literal
 
 from wigwag.camera.address import Address
 from wigwag.errors import InputError
+from wigwag.vehicles.mavlink.config import MavlinkConfig
 from wigwag.vehicles.mavlink.links import link_of
-from wigwag.vehicles.mavlink.session import MavlinkConfig
 from wigwag.vehicles.mavlink.setup import Origin
 from wigwag.vehicles.mavlink.vehicle import MavlinkVehicle
 

@@ -137,8 +137,13 @@ class Conversation:
                     deadline, accepted = self.now_ns + 3 * _S, True
                 elif result is not None:
                     answer = _RESULTS.get(result, f"result {result}")
-                    if result != _BUSY:
-                        return self._refusal(request, answer)
+                    if result == _BUSY:
+                        continue
+                    # What is refused the second time may be under way since the first.
+                    until = self.now_ns + (_S if attempt else 0)
+                    while self.now_ns < until and done is not None and not done():
+                        yield
+                    return "" if done is not None and done() else self._refusal(request, answer)
             if accepted:
                 return f"{name} accepted to {request.what}, but it did not happen"
         return self._refusal(request, answer)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -13,6 +11,7 @@ from wigwag.errors import InputError
 from wigwag.fly.values import HOVER, Setpoint, VehicleState
 from wigwag.vehicles.mavlink import setup
 from wigwag.vehicles.mavlink.autopilots import Doing
+from wigwag.vehicles.mavlink.config import MavlinkConfig
 from wigwag.vehicles.mavlink.control import Control, Decides
 from wigwag.vehicles.mavlink.conversation import Conversation, Procedure
 from wigwag.vehicles.mavlink.requests import Requests
@@ -24,47 +23,6 @@ _MUTE_S = 0.6
 """A link that gave no answer for so long may have swallowed set-points."""
 _RETRY_S = 1.0
 _LONG_AGO_NS = -1_000_000 * _S
-
-
-@dataclass(frozen=True, slots=True)
-class MavlinkConfig:
-    """How an autopilot is talked to.
-
-    Raises:
-        InputError: If a number is out of its range.
-    """
-
-    system: int | None = None
-    """System id of the vehicle; ``None`` takes the first one heard."""
-    rate_hz: float = 30.0
-    """How often set-points are sent, evenly, whatever the loop's own rate; 8 to 100."""
-    stream_hz: float = 30.0
-    """How often position and attitude are asked for; less for slow radios."""
-    fresh_s: float = 0.22
-    """Nothing older is sent as it is: with the wait for the next even moment, 250 ms end to end."""
-    still_s: float = 0.5
-    """How long standing still is sent after that, before the vehicle is told to hold."""
-    beat_s: float = 1.0
-    """Heartbeats stop when the loop has not said for so long that it is alive."""
-    ack_s: float = 0.5
-    """How long an acknowledgement is waited for before a command is sent again."""
-    tries: int = 4
-    heartbeat: Literal["auto", "onboard", "gcs"] = "auto"
-    """What wigwag says it is: a companion computer; a ground station; or a companion computer, unless PX4
-    is set not to fly without a ground station (NAV_DLL_ACT)."""
-    origin: setup.Origin | None = None
-    """Where the estimator's origin is put if it has none."""
-    key: Path | None = None
-    """File with the MAVLink 2 signing key."""
-
-    def __post_init__(self) -> None:
-        """Check what would otherwise be found out in the air."""
-        if not 8 <= self.rate_hz <= 100:
-            raise InputError(f"MavlinkConfig.rate_hz must be 8 to 100, but got {self.rate_hz}.")
-        if not 4 <= self.stream_hz <= 200:
-            raise InputError(f"MavlinkConfig.stream_hz must be 4 to 200, but got {self.stream_hz}.")
-        if not 0 < self.fresh_s <= 0.5 or not 0 <= self.still_s <= 2.0:
-            raise InputError("MavlinkConfig: fresh_s must be at most 0.5, still_s at most 2 seconds.")
 
 
 class Session:

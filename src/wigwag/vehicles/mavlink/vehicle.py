@@ -11,8 +11,9 @@ from collections.abc import Callable
 
 from wigwag.errors import VehicleError
 from wigwag.fly.values import Setpoint, VehicleState
+from wigwag.vehicles.mavlink.config import MavlinkConfig
 from wigwag.vehicles.mavlink.links import Link
-from wigwag.vehicles.mavlink.session import MavlinkConfig, Session
+from wigwag.vehicles.mavlink.session import Session
 from wigwag.vehicles.protocol import Capabilities, FlightMode
 
 _FIND_S, _SETTLE_S, _REOPEN_S, _JOIN_S = 15.0, 30.0, 0.5, 2.0
