@@ -106,7 +106,7 @@ def _fly(
 
 def _other_end(pipe: Connection, port: int) -> None:
     """Be an ArduPilot that hovers already, until told that it is enough; tell what came and when."""
-    from wigwag.sim.autopilot import FakeConfig
+    from wigwag.sim.autopilot_config import FakeConfig
     from wigwag.sim.autopilots import FakeArduPilot
     from wigwag.sim.pointmass import PointMass
 

@@ -5,7 +5,7 @@ import pytest
 
 from tests.vehicles.mavlink.flights import FAKES, connected, hovering, steered
 from wigwag.fly.values import HOVER, Setpoint
-from wigwag.sim.autopilot import FakeConfig
+from wigwag.sim.autopilot_config import FakeConfig
 from wigwag.sim.autopilots import FakeArduPilot, FakePx4
 from wigwag.sim.wire import WireConfig
 from wigwag.vehicles import FlightMode

@@ -4,7 +4,7 @@ import pytest
 
 from tests.vehicles.mavlink.flights import hovering
 from wigwag.errors import InputError, VehicleError
-from wigwag.sim.autopilot import FakeConfig
+from wigwag.sim.autopilot_config import FakeConfig
 from wigwag.sim.autopilots import FakeArduPilot, FakePx4
 from wigwag.sim.tethered import TetheredVehicle
 from wigwag.vehicles.mavlink import MavlinkConfig

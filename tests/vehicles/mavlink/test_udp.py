@@ -18,7 +18,7 @@ import pytest
 from wigwag.drones import open_vehicle
 from wigwag.errors import InputError, VehicleError
 from wigwag.fly.values import Setpoint
-from wigwag.sim.autopilot import FakeConfig
+from wigwag.sim.autopilot_config import FakeConfig
 from wigwag.sim.autopilot_server import AutopilotServer
 from wigwag.sim.autopilots import FakeArduPilot, FakePx4
 from wigwag.sim.pointmass import PointMass
