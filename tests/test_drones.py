@@ -1,10 +1,14 @@
+import sys
+
 import numpy as np
 import pytest
 
 from wigwag.drones import open_vehicle, vehicle_forms
+from wigwag.errors import MissingExtraError
 from wigwag.fly.values import Setpoint
 from wigwag.sim.clocked import ClockedVehicle
 from wigwag.vehicles import FlightMode, Vehicle
+from wigwag.vehicles.mavlink.links import SerialLink
 
 
 def test_every_form_is_named():
@@ -21,6 +25,15 @@ def test_every_vehicle_keeps_the_protocol():
         assert not vehicle.state.armed
         vehicle.beat(1)
         vehicle.close()
+
+
+@pytest.mark.parametrize(
+    "module, address", [("pymavlink.dialects.v20.common", "mavlink:udp:127.0.0.1:14550"), ("serial", None)]
+)
+def test_without_the_extra_it_is_named(monkeypatch, module, address):
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(MissingExtraError, match=r"pip install 'wigwag\[mavlink\]'"):
+        open_vehicle(address) if address else SerialLink("/dev/ttyACM0", 57600).open()
 
 
 def test_a_simulated_drone_lives_on_the_clock():

@@ -69,9 +69,9 @@ def measure_link(seconds: float, work: Callable[[], object], load: str) -> LinkF
     context = multiprocessing.get_context("spawn")
     here, there = context.Pipe()
     port = _free_port()
+    vehicle = MavlinkVehicle(UdpLink("127.0.0.1", port, listen=True), MavlinkConfig(rate_hz=_RATE_HZ))
     process = context.Process(target=_other_end, args=(there, port), daemon=True)
     process.start()
-    vehicle = MavlinkVehicle(UdpLink("127.0.0.1", port, listen=True), MavlinkConfig(rate_hz=_RATE_HZ))
     try:
         vehicle.connect()
         decided, turns = _fly(vehicle, seconds, work)
