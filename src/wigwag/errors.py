@@ -21,6 +21,10 @@ class CameraError(WigwagError):
     """A camera cannot be opened, was lost, or gives no pictures."""
 
 
+class VehicleError(WigwagError):
+    """A vehicle cannot be reached, or is not one that can be flown."""
+
+
 class MissingExtraError(WigwagError, ImportError):
     """An optional part is not installed; the message names the extra that brings it."""
 

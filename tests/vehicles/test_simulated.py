@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from wigwag.errors import InputError
-from wigwag.fly.values import Setpoint
+from wigwag.fly.values import Setpoint, VehicleState
 from wigwag.sim.quadrotor import EstimateConfig, Quadrotor, QuadrotorConfig
 from wigwag.sim.wind import WindConfig
 from wigwag.vehicles import FlightMode, SimulatedVehicle, Vehicle
@@ -38,8 +38,33 @@ def until(vehicle, mode, limit_s=15.0):
 def test_it_is_a_vehicle():
     vehicle: Vehicle = make()[0]
     vehicle.connect()
+    vehicle.beat(0)
     assert vehicle.mode is FlightMode.DISARMED
     assert not vehicle.state.armed
+    assert vehicle.warnings == ()
+    assert vehicle.capabilities.own_timeout_s == 0.5
+    vehicle.close()
+    assert vehicle.mode is FlightMode.DISARMED
+
+
+def test_let_go_of_while_steered_it_holds():
+    vehicle, _ = make(height=1.5)
+    run(vehicle, 0.2, AHEAD)
+    vehicle.close()
+    assert vehicle.mode is FlightMode.HOLDING
+
+
+def test_a_state_tells_the_age_of_its_parts():
+    state = VehicleState(np.zeros(3), np.zeros(3), 0.0, 10**9)
+    assert (
+        state.position_age_s(2 * 10**9)
+        == state.attitude_age_s(2 * 10**9)
+        == state.link_age_s(2 * 10**9)
+        == 1.0
+    )
+    frozen = VehicleState(np.zeros(3), np.zeros(3), 0.0, 10**9, position_ns=10**9, link_ns=3 * 10**9)
+    assert frozen.link_age_s(3 * 10**9) == 0.0
+    assert frozen.position_age_s(3 * 10**9) == 2.0
 
 
 @pytest.mark.parametrize("gust, estimate", [(0.0, EstimateConfig.exact()), (2.0, EstimateConfig())])

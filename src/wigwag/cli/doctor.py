@@ -60,6 +60,7 @@ class Doctor:
         with console.status("looking around"):
             findings += check_system()
             findings += check_packages()
+            findings += check_extras()
         findings += self._check_models()
         with console.status("trying the pose network"):
             findings += self._check_pose()
@@ -152,6 +153,30 @@ def check_packages(requirements: list[str] | None = None) -> Iterator[Finding]:
         yield Finding(name, "ok", version)
 
 
+def check_extras(requirements: list[str] | None = None) -> Iterator[Finding]:
+    """Say which extras are installed; none is needed, and what is installed is not imported.
+
+    Args:
+        requirements: Requirement lines; by default those that wigwag's own installation names.
+    """
+    if requirements is None:
+        requirements = importlib.metadata.requires("wigwag") or []
+    extras: dict[str, list[str]] = {}
+    for line in requirements:
+        if extra := re.search(r"extra\s*==\s*['\"]([^'\"]+)['\"]", line):
+            extras.setdefault(extra.group(1), []).append(re.split(r"[^A-Za-z0-9._-]", line, maxsplit=1)[0])
+    for extra_name, packages in extras.items():
+        there, missing = [], []
+        for name in packages:
+            try:
+                there.append(f"{name} {importlib.metadata.version(name)}")
+            except importlib.metadata.PackageNotFoundError:
+                missing.append(name)
+        detail = ", ".join(there) if not missing else f"not installed: {', '.join(missing)}"
+        fix = f"python -m pip install 'wigwag[{extra_name}]'" if missing else ""
+        yield Finding(f"extra {extra_name}", "optional" if missing else "ok", detail, fix)
+
+
 def _median_ms(call: Callable[[], object]) -> float:
     times = []
     for _ in range(_RUNS):
@@ -193,4 +218,4 @@ def _write_json(path: Path, findings: list[Finding]) -> None:
         raise InputError(f"{path}: the records cannot be written ({error.strerror}).") from error
 
 
-__all__ = ["Doctor", "Finding", "check_packages", "check_system"]
+__all__ = ["Doctor", "Finding", "check_extras", "check_packages", "check_system"]

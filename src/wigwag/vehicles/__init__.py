@@ -1,6 +1,6 @@
 """The set-point leaves: the ``Vehicle`` protocol and its backends."""
 
-from wigwag.vehicles.protocol import FlightMode, Vehicle
+from wigwag.vehicles.protocol import AIRBORNE, Capabilities, FlightMode, Vehicle
 from wigwag.vehicles.simulated import AutopilotConfig, SimulatedVehicle
 
-__all__ = ["AutopilotConfig", "FlightMode", "SimulatedVehicle", "Vehicle"]
+__all__ = ["AIRBORNE", "AutopilotConfig", "Capabilities", "FlightMode", "SimulatedVehicle", "Vehicle"]

@@ -7,7 +7,7 @@ from typing import Protocol
 
 from wigwag.errors import InputError
 from wigwag.fly.values import Setpoint, VehicleState
-from wigwag.vehicles.protocol import FlightMode
+from wigwag.vehicles.protocol import Capabilities, FlightMode
 
 
 class Airframe(Protocol):
@@ -73,8 +73,27 @@ class SimulatedVehicle:
         """What it is doing."""
         return self._mode
 
+    @property
+    def capabilities(self) -> Capabilities:
+        """What it can do."""
+        dead_man_s = self.config.dead_man_s
+        return Capabilities("simulated quadrotor", dead_man_s, own_timeout_s=dead_man_s)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """None."""
+        return ()
+
     def connect(self) -> None:
         """Nothing to reach: it lives in this process."""
+
+    def close(self) -> None:
+        """Hold, if it is steered."""
+        if self._mode is FlightMode.STEERED:
+            self.hold()
+
+    def beat(self, now_ns: int) -> None:
+        """Nothing to keep alive: the set-points' own age is watched."""
 
     @property
     def state(self) -> VehicleState:
