@@ -10,6 +10,7 @@ import pytest
 
 from wigwag.errors import ModelError
 from wigwag.pose.blazepose import BlazePose
+from wigwag.pose.models import DETECTOR, LANDMARKERS, ModelFile, locate
 
 PHOTOS = Path(__file__).parents[2].parent / "shared" / "data" / "operator_photos"
 
@@ -36,3 +37,21 @@ def photos() -> dict[str, np.ndarray]:
     if not paths:
         pytest.skip(f"needs the operator photos in {PHOTOS}")
     return {path.parent.name: cv2.cvtColor(cv2.imread(str(path)), cv2.COLOR_BGR2RGB) for path in paths}
+
+
+def network_file(file: ModelFile) -> bytes:
+    if (path := locate(file)) is None:
+        pytest.skip("the pose networks are not here: wigwag doctor --fetch")
+    return path.read_bytes()
+
+
+@pytest.fixture(scope="session")
+def landmark_network() -> bytes:
+    """The published file."""
+    return network_file(LANDMARKERS["full"])
+
+
+@pytest.fixture(scope="session")
+def detection_network() -> bytes:
+    """The published file."""
+    return network_file(DETECTOR)

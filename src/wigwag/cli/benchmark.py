@@ -7,11 +7,13 @@ from typing import Annotated
 
 import tyro
 
+from wigwag.cli.benchmark_camera import CameraBenchmark
 from wigwag.cli.benchmark_dtw import DtwBenchmark
 from wigwag.cli.benchmark_few_shot import FewShotBenchmark
 from wigwag.cli.benchmark_gallery import GalleryBenchmark
 from wigwag.cli.benchmark_lift import LiftBenchmark
 from wigwag.cli.benchmark_link import LinkBenchmark
+from wigwag.cli.benchmark_pose import PoseBenchmark
 from wigwag.cli.benchmark_reject import RejectBenchmark
 from wigwag.cli.benchmark_transfer import TransferBenchmark
 from wigwag.cli.benchmark_utd_mhad import UtdMhadBenchmark
@@ -25,6 +27,8 @@ class Benchmark:
         tyro.conf.OmitSubcommandPrefixes[
             Annotated[UtdMhadBenchmark, tyro.conf.subcommand("utd-mhad")]
             | Annotated[LiftBenchmark, tyro.conf.subcommand("lift")]
+            | Annotated[PoseBenchmark, tyro.conf.subcommand("pose")]
+            | Annotated[CameraBenchmark, tyro.conf.subcommand("camera")]
             | Annotated[DtwBenchmark, tyro.conf.subcommand("dtw")]
             | Annotated[GalleryBenchmark, tyro.conf.subcommand("gallery")]
             | Annotated[FewShotBenchmark, tyro.conf.subcommand("few-shot")]

@@ -28,6 +28,8 @@ class PoseCommand:
     """Folder for the drawn pictures."""
     json: Path | None = None
     """File for a list of records, one a picture: {"file", "found", "landmarks_px", "visibility", ...}."""
+    engine: Literal["litert", "mediapipe"] = "litert"
+    """What runs the networks; 'mediapipe' needs the extra of that name."""
     model: Literal["lite", "full", "heavy"] = "full"
     """Landmark network."""
     models_dir: Path | None = None
@@ -40,12 +42,12 @@ class PoseCommand:
         from rich.console import Console
         from rich.progress import track
 
-        from wigwag.pose.blazepose import BlazePose, BlazePoseConfig
+        from wigwag.pose.engine import open_engine
 
         if not self.images:
             raise InputError("No picture was given. Name one or more: wigwag pose photo.jpg --out DIR")
         _make_folder(self.out)
-        finder = BlazePose(BlazePoseConfig(model=self.model, models_dir=self.models_dir))
+        finder = open_engine(self.engine, self.model, self.models_dir)
         errors = Console(stderr=True)
         records, faults = [], []
         drawn = _drawn_paths(self.images, self.out)
@@ -76,7 +78,8 @@ class PoseCommand:
             draw_banner(picture, "nobody found", path.name, MISSING)
         else:
             draw_body(picture, body, self.names)
-            draw_banner(picture, "body found", f"clarity {body.clarity:.2f}")
+            clarity = "" if body.clarity is None else f"clarity {body.clarity:.2f}"
+            draw_banner(picture, "body found", clarity)
         if not cv2.imwrite(str(out), cv2.cvtColor(picture, cv2.COLOR_RGB2BGR)):
             raise InputError(f"{out}: the drawn picture cannot be written; choose another folder with --out.")
 
@@ -141,8 +144,8 @@ def _record(path: Path, body: Body | None, error: str | None) -> dict[str, Any]:
         "found": body is not None,
         "landmarks_px": None if body is None else body.points_px.round(2).tolist(),
         "visibility": None if body is None else body.visibility.round(4).tolist(),
-        "score": None if body is None else round(body.score, 4),
-        "clarity": None if body is None else round(body.clarity, 4),
+        "score": None if body is None or body.score is None else round(body.score, 4),
+        "clarity": None if body is None or body.clarity is None else round(body.clarity, 4),
         "error": error,
         "command": "pose",
         "seed": None,

@@ -118,14 +118,14 @@ class BlazePose:
 
     def _second_look(self, rgb: Picture, seen: Sighting) -> Sighting:
         """Detect a doubtful body anew now and then, and return the clearer of both."""
-        if seen.body.clarity >= self.config.min_clarity:
+        if seen.clarity >= self.config.min_clarity:
             self._frames_doubted = 0
             return seen
         self._frames_doubted += 1
         if self._frames_doubted % self.config.doubt_frames != 1 % self.config.doubt_frames:
             return seen
         again = self.find(rgb, [seen.region.wider(_CROP_SCALE)])
-        return again[0] if again and again[0].body.clarity > seen.body.clarity else seen
+        return again[0] if again and again[0].clarity > seen.clarity else seen
 
     def detect(self, rgb: Picture) -> Body | None:
         """Return the body in one picture that stands for itself, or ``None``.
@@ -217,10 +217,9 @@ class BlazePose:
         return second if self._holds(second, self.config.min_clarity) else None
 
     def _holds(self, seen: Sighting, clarity: float) -> bool:
-        body = seen.body
         return (
-            body.score >= self.config.min_presence
-            and body.clarity >= clarity
+            seen.score >= self.config.min_presence
+            and seen.clarity >= clarity
             and seen.region.usable(self._max_tilt_rad)
         )
 

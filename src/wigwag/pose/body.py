@@ -62,7 +62,10 @@ BODY_BONES: tuple[tuple[int, int], ...] = (
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """One person as BlazePose sees them: 33 landmarks in the picture and, roughly, in space."""
+    """One person as BlazePose sees them: 33 landmarks in the picture and, roughly, in space.
+
+    How sure the network is, in ``score`` and ``clarity``, not every engine tells; ``None``: it does not.
+    """
 
     points_px: Float[np.ndarray, "33 2"]
     """Pixels (u, v) of the full picture; may lie outside of it where the network guesses."""
@@ -70,9 +73,9 @@ class Body:
     """How surely each landmark is in the picture and not hidden, 0 to 1."""
     world_m: Float[np.ndarray, "33 3"]
     """The network's own guess in metres from the middle of the hips: x right, y down, z away."""
-    score: float
+    score: float | None
     """The network's own word on whether there is a person, 0 to 1. Furniture often gets 0.99."""
-    clarity: float
+    clarity: float | None
     """How sharply the network sees those of wigwag's 13 landmarks that lie in the picture, 0 to 1: the
     median peak of their heat maps; 0 if fewer than five do. This is what tells people (above 0.7,
     mostly) from furniture (below 0.5, mostly)."""

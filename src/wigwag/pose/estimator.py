@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import Float
 
 from wigwag.camera.frame import Frame
 from wigwag.errors import InputError
 from wigwag.pose.blazepose import BlazePose, BlazePoseConfig
 from wigwag.pose.body import Body
+from wigwag.pose.engine import PoseEngine
 from wigwag.pose.lift import LiftConfig, Lifter
 from wigwag.pose.sides import SideKeeper, SidesConfig
 from wigwag.skeleton import Pose, from_blazepose33
@@ -44,30 +45,18 @@ class PoseConfig:
     """After so many jumped frames in a row the track is let go and the person is searched anew."""
 
 
-class BodyTracker(Protocol):
-    """Anything that finds a body in each picture of a stream."""
-
-    def track(self, rgb: UInt8[np.ndarray, "height width 3"]) -> Body | None:
-        """Return the body in the next picture, or ``None``."""
-        ...
-
-    def reset(self) -> None:
-        """Forget whom it follows."""
-        ...
-
-
 class PoseEstimator:
     """Turns each frame of a stream into the pose of the one person it follows.
 
     Args:
         config: Options; the defaults suit an RGB-D camera on a drone, 2 to 8 m from the person.
-        tracker: What finds the body; BlazePose by default.
+        tracker: What finds the body; BlazePose on LiteRT by default. See ``wigwag.pose.engine.open_engine``.
 
     Raises:
         ModelError: If a network file is missing and cannot be fetched, or is damaged.
     """
 
-    def __init__(self, config: PoseConfig | None = None, tracker: BodyTracker | None = None) -> None:
+    def __init__(self, config: PoseConfig | None = None, tracker: PoseEngine | None = None) -> None:
         self.config = config = config or PoseConfig()
         self._tracker = tracker or BlazePose(config.blazepose)
         self._lifter = Lifter(config.lift)

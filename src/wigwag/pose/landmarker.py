@@ -16,7 +16,7 @@ from wigwag.pose.region import Region
 from wigwag.skeleton import from_blazepose33
 
 _N_ALL = 39  # 33 landmarks, two alignment points for the next region, four that nobody uses
-_HEAT_SIDE = 64
+_LANDMARKS, _WORLD, _SCORE, _HEAT = (1, _N_ALL * 5), (1, _N_ALL * 3), (1, 1), (1, 64, 64, _N_ALL)
 _MIN_INSIDE = 5  # landmarks: head, shoulders and elbows are the least that is a person
 _REACH = 3  # of the 7 x 7 window in which a landmark is refined
 
@@ -26,6 +26,16 @@ class Sighting(NamedTuple):
 
     body: Body
     region: Region
+
+    @property
+    def score(self) -> float:
+        """``Body.score``, which is known here."""
+        return self.body.score or 0.0
+
+    @property
+    def clarity(self) -> float:
+        """``Body.clarity``, which is known here."""
+        return self.body.clarity or 0.0
 
 
 class Landmarker:
@@ -37,23 +47,27 @@ class Landmarker:
     """
 
     def __init__(self, path: Path, threads: int = 1) -> None:
-        self._network = PictureNetwork(path, threads, low=0.0, high=1.0, border=cv2.BORDER_REPLICATE)
+        # Not among them: a mask of the person, which takes two fifths of the network's time.
+        outputs = (_LANDMARKS, _HEAT, _WORLD, _SCORE)
+        self._network = PictureNetwork(
+            path, threads, low=0.0, high=1.0, border=cv2.BORDER_REPLICATE, outputs=outputs
+        )
 
     def __call__(self, rgb: UInt8[np.ndarray, "height width 3"], region: Region) -> Sighting:
         """Return the landmarks in ``region``, whether or not a person is there: see ``body.clarity``."""
         self._network.run(rgb, region)
-        raw = self._network.output(1, _N_ALL * 5)[0].reshape(_N_ALL, 5).astype(np.float64)
-        heat = self._network.output(1, _HEAT_SIDE, _HEAT_SIDE, _N_ALL)[0]
+        raw = self._network.output(*_LANDMARKS)[0].reshape(_N_ALL, 5).astype(np.float64)
+        heat = self._network.output(*_HEAT)[0]
         points, peaks = refine(raw[:, :2] / self._network.pixels, heat)
         placed = region.to_picture(points)
-        world = self._network.output(1, _N_ALL * 3)[0].reshape(_N_ALL, 3)[:N_POINTS].astype(np.float64)
+        world = self._network.output(*_WORLD)[0].reshape(_N_ALL, 3)[:N_POINTS].astype(np.float64)
         c, s = math.cos(region.angle_rad), math.sin(region.angle_rad)
         world[:, :2] = world[:, :2] @ np.array([[c, s], [-s, c]])
         body = Body(
             points_px=placed[:N_POINTS],
             visibility=sigmoid(raw[:N_POINTS, 3]),
             world_m=world,
-            score=float(self._network.output(1, 1)[0, 0]),
+            score=float(self._network.output(*_SCORE)[0, 0]),
             clarity=clarity(placed[:N_POINTS], peaks[:N_POINTS], rgb.shape[1], rgb.shape[0]),
         )
         return Sighting(body, Region.around(placed[N_POINTS], placed[N_POINTS + 1]))

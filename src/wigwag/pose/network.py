@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from jaxtyping import Float, UInt8
 
 from wigwag.errors import ModelError
 from wigwag.pose.region import Region
+from wigwag.pose.tflite import only_outputs
 
 
 class PictureNetwork:
@@ -26,19 +27,34 @@ class PictureNetwork:
         low: What a black pixel is to the network.
         high: What a white pixel is to the network.
         border: OpenCV's border mode for the part of a crop that lies outside of the picture.
+        outputs: Shapes of the outputs that will be read; what leads to others alone is not computed. All by
+            default.
 
     Raises:
-        ModelError: If LiteRT cannot read the file or its input is no square RGB picture.
+        ModelError: If LiteRT cannot read the file, its input is no square RGB picture, or an output is not
+            there.
     """
 
-    def __init__(self, path: Path, threads: int, low: float, high: float, border: int) -> None:
+    def __init__(
+        self,
+        path: Path,
+        threads: int,
+        low: float,
+        high: float,
+        border: int,
+        *,
+        outputs: Sequence[tuple[int, ...]] | None = None,
+    ) -> None:
         from ai_edge_litert.interpreter import Interpreter
 
         try:
-            with _native_stderr_closed():
-                self._interpreter: Any = Interpreter(str(path), num_threads=threads)
+            data = path.read_bytes() if outputs is None else only_outputs(path.read_bytes(), outputs)
+            with native_stderr_closed():
+                self._interpreter: Any = Interpreter(model_content=data, num_threads=threads)
                 self._interpreter.allocate_tensors()
-        except (RuntimeError, ValueError) as error:
+        except ModelError as error:
+            raise ModelError(f"{path}: {error}") from error
+        except (RuntimeError, ValueError, OSError) as error:
             raise ModelError(f"{path}: LiteRT cannot load this network ({error}).") from error
         entry = self._interpreter.get_input_details()[0]
         shape = tuple(int(n) for n in entry["shape"])
@@ -88,8 +104,8 @@ class PictureNetwork:
 
 
 @contextmanager
-def _native_stderr_closed() -> Iterator[None]:
-    """Keep LiteRT's greeting, which no setting turns off, out of the user's terminal."""
+def native_stderr_closed() -> Iterator[None]:
+    """Keep the greetings of native libraries, which no setting turns off, out of the user's terminal."""
     try:
         sys.stderr.flush()
         kept = os.dup(2)
