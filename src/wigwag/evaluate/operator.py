@@ -22,7 +22,7 @@ from wigwag.sim.exposure import ExposureConfig
 from wigwag.sim.gestures import COMMANDS, perform
 from wigwag.sim.motion import Operator
 from wigwag.sim.paint import Look
-from wigwag.sim.passerby import Leg, Passerby
+from wigwag.sim.passerby import Leg, Passerby, beside, crossings
 from wigwag.sim.person import Person
 from wigwag.sim.quadrotor import QuadrotorConfig
 from wigwag.sim.scene import SceneConfig
@@ -33,9 +33,6 @@ from wigwag.skeleton import Clip, Pose
 FOUND_M = 0.3
 """A pose is the operator's if the middle of its hips lies within this of the operator's true one."""
 DISTANCES_M = (3.0, 4.0, 6.0, 8.0)
-OFFSET_M = (0.8, 1.5)
-"""How far before or behind the operator people pass."""
-SPEED_M_S = (1.0, 1.6)
 PATIENCE_S = 1.5
 """So soon after the passer-by is clear the operator must be handed on again."""
 PASSERBY_SEED = 50_000
@@ -138,13 +135,13 @@ class Mute:
         return Gesture(None, 0.0)
 
 
-def stage(condition: Condition, distance_m: float, crossings: int, seed: int) -> Staged:
+def stage(condition: Condition, distance_m: float, events: int, seed: int) -> Staged:
     """Build a session: an operator who engages and then shows commands, and people who cross.
 
     Args:
         condition: What makes it hard.
         distance_m: From the drone to the operator.
-        crossings: How many crossings (or other events).
+        events: How many crossings, or other events of the condition's kind.
         seed: Chooses people, clothes, surroundings, ways, gusts and noise.
     """
     rng = np.random.default_rng([0x0B5E, seed, round(10 * distance_m), _code(condition.name)])
@@ -152,7 +149,7 @@ def stage(condition: Condition, distance_m: float, crossings: int, seed: int) ->
     look = Look.from_seed(seed, person.height_m)
     engage = perform("engage", person, seed)
     begin_s = 1.0 + engage.duration_s + 1.0
-    passers, windows = _passers(condition, distance_m, crossings, begin_s=begin_s, seed=seed, rng=rng)
+    passers, windows = _passers(condition, distance_m, events, begin_s=begin_s, seed=seed, rng=rng)
     duration_s = max(end for _, end in windows) + PATIENCE_S + 0.2
     acts = [Act(1.0, engage)]
     walks: tuple[Walk, ...] = ()
@@ -192,23 +189,18 @@ def _code(name: str) -> int:
 def _passers(
     condition: Condition,
     distance_m: float,
-    crossings: int,
+    events: int,
     *,
     begin_s: float,
     seed: int,
     rng: np.random.Generator,
 ) -> tuple[list[Passerby], tuple[tuple[float, float], ...]]:
     """Plan the ways of those who pass, and when each event begins and ends."""
-    start = _beside(distance_m, 1.0, -1.0)
-    legs: list[Leg] = []
-    marks: list[int] = []
-    side = -1.0
-    for k in range(crossings):
-        offset = float(rng.uniform(*OFFSET_M)) * (-1.0 if k % 2 == 0 else 1.0)
-        speed = float(rng.uniform(*SPEED_M_S))
-        legs += _event_legs(condition.event, distance_m, offset, speed, side)
-        marks.append(len(legs) - 1)
-        side = -side
+    start, ways = crossings(distance_m, events, rng)
+    if condition.event != "crosses":
+        ways = [_stops(condition.event, distance_m, way) for way in ways]
+    legs = [leg for way in ways for leg in way]
+    marks = [int(mark) - 1 for mark in np.cumsum([len(way) for way in ways])]
     cast = (condition, seed, rng)
     first = _passer(0, start, legs, begin_s, cast)
     ends = first.ends_s
@@ -223,25 +215,17 @@ def _passers(
     return passers, windows
 
 
-def _beside(distance_m: float, offset_m: float, side: float) -> tuple[float, float]:
-    """Return a place at the edge of the picture, or 2.6 m beside the line of sight if that is nearer."""
-    x = distance_m + offset_m
-    return x, side * min(0.52 * x + 0.7, 2.6)
-
-
-def _event_legs(event: Event, distance_m: float, offset_m: float, speed: float, side: float) -> list[Leg]:
-    """Return the legs of one event, from one side to the other."""
-    to, across = _beside(distance_m, offset_m, side), _beside(distance_m, offset_m, -side)
-    approach = Leg(to, speed, 0.9)
-    if event == "crosses":
-        return [approach, Leg(across, speed, 0.4)]
-    if event == "stops beside":
-        place = (distance_m + 0.1 * np.sign(offset_m), side * abs(offset_m) * 0.8)
-        return [approach, Leg(place, speed, 5.0), Leg(to, speed, 1.0)]
+def _stops(event: Event, distance_m: float, way: Sequence[Leg]) -> list[Leg]:
+    """Let somebody who would cross stop on the way."""
+    to, speed = way[0].to_m, way[0].speed_m_s
+    side, offset = float(np.sign(to[1])), abs(to[0] - distance_m)
+    if event == "stops beside":  # 0.64 to 1.2 m from the operator
+        place = (distance_m, 0.8 * side * offset)
+        return [way[0], Leg(place, speed, 5.0), Leg(to, speed, 1.0)]
     if event == "stops before":
-        place = (distance_m - abs(offset_m), 0.0)
-        near = _beside(distance_m, -abs(offset_m), side)
-        return [Leg(near, speed, 0.9), Leg(place, speed, 3.0), Leg((near[0], -near[1]), speed, 0.4)]
+        near = beside(distance_m - offset, side)
+        here = (near[0], 0.0)
+        return [Leg(near, speed, 0.9), Leg(here, speed, 3.0), Leg((near[0], -near[1]), speed, 0.4)]
     return [Leg(to, speed, 4.5), Leg((distance_m, 0.0), speed, 4.5), Leg(to, speed, 5.5)]
 
 
@@ -411,10 +395,10 @@ def _returns_s(window: Sequence[Moment]) -> list[float]:
 
 
 def measure(
-    condition: Condition, distance_m: float, crossings: int, seed: int, estimator: PoseEstimator
+    condition: Condition, distance_m: float, events: int, seed: int, estimator: PoseEstimator
 ) -> dict[str, Any]:
     """Stage, play and summarise one session; see ``stage``."""
-    staged = stage(condition, distance_m, crossings, seed)
+    staged = stage(condition, distance_m, events, seed)
     return summarise(staged, [moment for _, moment in play(staged, estimator)])
 
 

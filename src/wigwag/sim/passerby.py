@@ -69,8 +69,43 @@ def plan_way(
     return tuple(walks), tuple(ends)
 
 
+def beside(distance_m: float, side: float) -> tuple[float, float]:
+    """Return a place at the edge of what a drone at the origin sees, or 2.6 m aside if that is nearer.
+
+    Args:
+        distance_m: Along the line of sight, east.
+        side: 1 to the left of it, -1 to the right.
+    """
+    return distance_m, side * min(0.52 * distance_m + 0.7, 2.6)
+
+
+def crossings(
+    distance_m: float, count: int, rng: np.random.Generator
+) -> tuple[tuple[float, float], list[list[Leg]]]:
+    """Plan a way that crosses before and behind an operator by turns.
+
+    Args:
+        distance_m: From a drone at the origin to the operator, along the line of sight, east.
+        count: How often.
+        rng: Chooses how far before and behind (0.8 to 1.5 m) and how fast (1.0 to 1.6 m/s).
+
+    Returns:
+        Where the way begins, and the legs of each crossing.
+    """
+    start = beside(distance_m + 1.0, -1.0)
+    ways: list[list[Leg]] = []
+    side = -1.0
+    for k in range(count):
+        offset = float(rng.uniform(0.8, 1.5)) * (-1.0 if k % 2 == 0 else 1.0)
+        speed = float(rng.uniform(1.0, 1.6))
+        to, across = beside(distance_m + offset, side), beside(distance_m + offset, -side)
+        ways.append([Leg(to, speed, 0.9), Leg(across, speed, 0.4)])
+        side = -side
+    return start, ways
+
+
 class Passerby(Operator):
-    """A person who goes their own way and faces where they go; while standing, they keep facing there.
+    """A person who goes their own way and faces where they go, also while standing.
 
     Args:
         person: Whose body and habits.
