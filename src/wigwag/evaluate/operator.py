@@ -53,7 +53,7 @@ class Condition:
     wall: bool = False
     """A wall in the shirt's colour behind the operator."""
     turned_deg: float = 0.0
-    """How far past the drone the operator faces."""
+    """How far past the drone the operator faces, once engaged."""
     same_clothes: bool = False
     """Passers-by dress as the operator does."""
     event: Event = "crosses"
@@ -161,8 +161,9 @@ def stage(condition: Condition, distance_m: float, events: int, seed: int) -> St
         walks = _to_and_fro(begin_s, duration_s) if condition.walks else ()
     script = Script(tuple(acts), walks, (), duration_s, acts[0].end_s)
     operator = Operator(
-        person, script, (distance_m, 0.0), seed=seed, turned_rad=float(np.radians(condition.turned_deg))
-    )
+        person, script, (distance_m, 0.0), seed=seed,
+        turned_rad=float(np.radians(condition.turned_deg)), turns_s=acts[0].end_s,
+    )  # fmt: skip
     others = []
     for k, passer in enumerate(passers):
         theirs = Look.from_seed(PASSERBY_SEED + 10 * seed + k, passer.person.height_m)

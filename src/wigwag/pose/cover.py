@@ -12,7 +12,7 @@ from wigwag.camera.frame import Frame
 _NEARER_M, _FARTHER_M = 0.5, 0.5
 """Surfaces by this much nearer or farther than the hips are not the person's: an arm that reaches out to the
 camera is nearer, but covers little of the trunk."""
-_SIZE_M = (0.34, 0.62)
+_SIZE_M = (0.3, 0.44)
 """Width and height of the part of the trunk that is looked at, above the hips."""
 _SAMPLES = (9, 13)
 

@@ -44,6 +44,7 @@ class Operator:
         heading_rad: Where the operator faces at first, anticlockwise from east.
         seed: Chooses sway, trembling and the like.
         turned_rad: How far past the drone the operator faces, positive to the operator's left.
+        turns_s: When the operator turns so far; before, they face the drone. 0: they stand so from the first.
 
     Example:
         >>> from wigwag.sim.script import plan_session
@@ -62,13 +63,14 @@ class Operator:
         seed: int = 0,
         *,
         turned_rad: float = 0.0,
+        turns_s: float = 0.0,
     ) -> None:
         self.person = person
         self.script = script
         self.root_xy = np.array(position_m, dtype=np.float64)
         self.velocity_m_s = np.zeros(2)
-        self.heading_rad = float(heading_rad) + turned_rad
-        self._turned_rad = turned_rad
+        self.heading_rad = float(heading_rad) + (turned_rad if turns_s <= 0 else 0.0)
+        self._turned_rad, self._turns_s = turned_rad, turns_s
         self._turn_rate = 0.0
         self._rest = rest(person)
         self._idle = _Idle(person, np.random.default_rng([0x1D1E, person.seed, seed]))
@@ -169,7 +171,8 @@ class Operator:
         if np.hypot(*span) < 0.3:  # overhead: there is no direction to face
             error = 0.0
         else:
-            error = wrap(float(np.arctan2(span[1], span[0])) + self._turned_rad + turn - self.heading_rad)
+            past = turn + (self._turned_rad if (self._last_s or 0.0) >= self._turns_s else 0.0)
+            error = wrap(float(np.arctan2(span[1], span[0])) + past - self.heading_rad)
         self._turn(error, dt_s)
 
     def _turn(self, error: float, dt_s: float) -> None:
