@@ -14,6 +14,7 @@ from wigwag.skeleton import Pose, from_blazepose33
 from .staged import CAMERA, Player, Stage, body_of, engaging, region_of, standing, still, walks
 
 SECOND = 10**9
+STILL = (0.0, 0.0)
 RED = Appearance.of(np.array([[0.5, 0.05, 0.05]] * 2 + [[0.1, 0.1, 0.1]]))
 BLUE = Appearance.of(np.array([[0.05, 0.05, 0.5]] * 2 + [[0.1, 0.1, 0.1]]))
 
@@ -36,7 +37,7 @@ def walked(speed_m_s: float = 1.2, seconds: float = 1.0) -> tuple[People, Track]
     frames = round(30 * seconds)
     track = somebody(people, -speed_m_s * seconds, 4.0)
     for k in range(1, frames + 1):
-        people.begin(k * SECOND // 30, None)
+        people.begin(k * SECOND // 30, None, STILL, CAMERA)
         people.update(track, look(speed_m_s * (k - frames) / 30, 4.0), k * SECOND // 30)
     return people, track
 
@@ -59,11 +60,21 @@ def test_the_region_goes_along_and_grows_with_nearness() -> None:
     assert track.expected_region(round(1.5 * SECOND), 0.7, CAMERA).side > 1.05 * track.seen.region.side
 
 
+def test_a_camera_that_turns_takes_people_along() -> None:
+    people = People()
+    track = somebody(people, 0.5, 4.0)
+    before, region = CAMERA.project(track.position_m), track.region
+    people.begin(SECOND // 30, None, (20.0, -35.0), CAMERA)
+    assert CAMERA.project(track.position_m) - before == pytest.approx([20.0, -35.0], abs=1.5)
+    assert np.linalg.norm(track.position_m) == pytest.approx(np.linalg.norm([0.5, 0.1, 4.0]))
+    assert (track.region.u - region.u, track.region.v - region.v) == (20.0, -35.0)
+
+
 def test_a_look_belongs_to_whom_it_fits_best() -> None:
     people = People()
     left, right = somebody(people, -0.5, 4.0), somebody(people, 0.5, 4.2)
     now = SECOND // 30
-    people.begin(now, None)
+    people.begin(now, None, STILL, CAMERA)
     for x_m, whose in ((-0.45, left), (-0.2, left), (0.2, right), (0.55, right)):
         assert people.owner(look(x_m, 4.1), now, people.tracks) is whose
     assert people.owner(look(0.5, 3.2), now, people.tracks) is None, "a metre nearer is somebody else"
@@ -152,9 +163,9 @@ def test_newcomers_are_taken_up_once_and_not_beyond_the_most() -> None:
 def test_whoever_is_not_seen_is_forgotten_but_for_the_operator() -> None:
     people = People()
     one, other = somebody(people, 0.0, 4.0), somebody(people, 1.5, 4.0)
-    people.begin(round(1.9 * SECOND), other)
+    people.begin(round(1.9 * SECOND), other, STILL, CAMERA)
     assert people.tracks == [one, other]
-    people.begin(round(2.1 * SECOND), other)
+    people.begin(round(2.1 * SECOND), other, STILL, CAMERA)
     assert people.tracks == [other]
     number = somebody(people, -1.0, 4.0).number
     assert number > other.number, "numbers are never given twice"

@@ -17,6 +17,7 @@ from wigwag.pose.lift import LiftConfig, Lifter
 from wigwag.pose.operator import OperatorConfig, OperatorKeeper
 from wigwag.pose.people import People, PeopleConfig, Track
 from wigwag.pose.sides import SidesConfig
+from wigwag.pose.turning import PictureShift
 from wigwag.pose.watching import BodyTracker, PeopleFinder, WatchConfig, Watcher
 from wigwag.skeleton import Pose, from_blazepose33
 
@@ -93,6 +94,7 @@ class PoseEstimator:
         self._lifter = Lifter(config.lift)
         self._people = People(config.people, config.engagement, config.sides)
         self._keeper = OperatorKeeper(config.operator, self._people)
+        self._shift = PictureShift()
         eyes = tracker or BlazePose(config.blazepose)
         self._watcher = Watcher(eyes, config.watch, self.lift, self._people, self._keeper)
         self.body: Body | None = None
@@ -105,6 +107,7 @@ class PoseEstimator:
         self._watcher.reset()
         self._people.reset()
         self._keeper.reset()
+        self._shift.reset()
         self.body = None
         self._relative_m: Float[np.ndarray, "13 3"] | None = None
         self._handed: tuple[int, int] | None = None
@@ -135,7 +138,8 @@ class PoseEstimator:
             InputError: If the frame has no depth, or is not later than the one before.
         """
         self._check(frame)
-        self._people.begin(frame.stamp_ns, self._keeper.track)
+        shift_px = self._shift(frame.rgb)
+        self._people.begin(frame.stamp_ns, self._keeper.track, shift_px, frame.intrinsics)
         self._keeper.begin(frame)
         self._watcher(frame)
         track = self._keeper.decide(frame.stamp_ns)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -15,6 +15,7 @@ from wigwag.pose.body import Body
 from wigwag.pose.engagement import Engagement, EngagementConfig
 from wigwag.pose.region import Region
 from wigwag.pose.sides import SideKeeper, SidesConfig
+from wigwag.pose.turning import turned
 from wigwag.skeleton import Landmark, Pose
 
 _SHOULDERS = [Landmark.LEFT_SHOULDER, Landmark.RIGHT_SHOULDER]
@@ -39,7 +40,7 @@ class PeopleConfig:
     side_slack_m: float = 0.4
     """The same across the line of sight ..."""
     side_speed_m_s: float = 5.0
-    """... for the first tenth of a second: the camera turns as well ..."""
+    """... for the first tenth of a second: people run, and what the camera's turning leaves ..."""
     side_drift_m_s: float = 1.2
     """... and from then on."""
     most_drift_m: float = 1.2
@@ -94,9 +95,11 @@ class Track:
     """Who, for as long as they are kept in mind; never given twice."""
     seen: Seen
     """The latest look that was theirs."""
+    region: Region
+    """Where in the picture that was, moved along as the camera has turned since."""
     seen_ns: int
     position_m: Float[np.ndarray, " 3"]
-    """Middle of the hips when seen last, camera optical frame."""
+    """Middle of the hips when seen last, in the camera's optical frame as it is turned now."""
     torso_m: float
     sides: SideKeeper
     engagement: Engagement
@@ -123,7 +126,7 @@ class Track:
 
     def expected_region(self, now_ns: int, coast_s: float, intrinsics: Intrinsics) -> Region:
         """Return where in the picture to look for them now."""
-        ahead, last, region = self.expected_m(now_ns, coast_s), self.position_m, self.seen.region
+        ahead, last, region = self.expected_m(now_ns, coast_s), self.position_m, self.region
         if self.age_s(now_ns) < 0.1 or last[2] <= 0:
             return region
         shift = intrinsics.project(ahead) - intrinsics.project(last)
@@ -158,17 +161,25 @@ class People:
         """Forget everybody; numbers go on."""
         self.tracks = []
 
-    def begin(self, now_ns: int, keep: Track | None) -> None:
+    def begin(
+        self, now_ns: int, keep: Track | None, shift_px: tuple[float, float], intrinsics: Intrinsics
+    ) -> None:
         """Begin a frame: nobody is seen in it yet, and whoever was not seen for long is forgotten.
 
         Args:
             now_ns: The frame's stamp.
             keep: Is not forgotten (the operator).
+            shift_px: How far the picture has moved to the right and down, because the camera turned.
+            intrinsics: The camera's.
         """
         forget_s = self.config.forget_s
         self.tracks = [t for t in self.tracks if t is keep or t.age_s(now_ns) <= forget_s]
         for track in self.tracks:
             track.pose = track.body = None
+            track.position_m = turned(track.position_m, shift_px, intrinsics)
+            track.velocity_m_s = turned(track.velocity_m_s, shift_px, intrinsics)
+            u, v = track.region.u + shift_px[0], track.region.v + shift_px[1]
+            track.region = replace(track.region, u=u, v=v)
 
     def misfit(self, track: Track, seen: Seen, now_ns: int, range_slack_m: float = math.inf) -> float:
         """Return how badly a look fits somebody in space: 0 as expected, infinite if it cannot be them.
@@ -227,7 +238,7 @@ class People:
         if len(self.tracks) >= self.config.most or self.is_known(seen):
             return None
         track = Track(
-            self._next, seen, now_ns, seen.position_m, seen.torso_m, SideKeeper(self._sides),
+            self._next, seen, seen.region, now_ns, seen.position_m, seen.torso_m, SideKeeper(self._sides),
             Engagement(self._engagement), appearance=seen.appearance,
         )  # fmt: skip
         self._next += 1
@@ -256,7 +267,8 @@ class People:
             track.velocity_m_s *= min(1.0, _FASTEST_M_S / max(speed, 1e-6))
         elif age_s >= 1.0:
             track.velocity_m_s = np.zeros(3)
-        track.position_m, track.seen, track.seen_ns = seen.position_m, seen, now_ns
+        track.position_m, track.seen_ns = seen.position_m, now_ns
+        track.seen, track.region = seen, seen.region
         track.looks += 1
         if not learn:
             return
