@@ -160,6 +160,12 @@ def _sim(address: Address) -> Source:
         rate_hz=address.number("rate_hz", default.rate_hz),
         duration_s=address.number("duration_s", 0.0) if "duration_s" in address.options else None,
         noise=address.flag("noise", default.noise),
+        engage=address.flag("engage", default.engage),
+        passersby=address.whole("passersby", default.passersby),
+        light=address.number("light", default.light),
+        turned_deg=address.number("turned_deg", default.turned_deg),
+        near=address.whole("near", default.near),
+        wall=address.flag("wall", default.wall),
     )
     return SimulatedSource(config)
 
@@ -173,6 +179,10 @@ def _never(address: Address) -> bool:
 
 
 _LENS = ("hfov_deg", "intrinsics")
+_SIM = (
+    "seed", "distance_m", "rate_hz", "duration_s", "noise", "engage", "passersby", "light", "turned_deg",
+    "near", "wall",
+)  # fmt: skip
 _FORMS: dict[str, Form] = {
     "webcam": Form(
         "webcam:0 | webcam:URL",
@@ -203,7 +213,7 @@ _FORMS: dict[str, Form] = {
     "sim": Form(
         "sim:",
         "a simulated operator",
-        ("seed", "distance_m", "rate_hz", "duration_s", "noise", "realtime"),
+        (*_SIM, "realtime"),
         _sim,
         _never,
     ),

@@ -13,6 +13,7 @@ from wigwag.pose.blazepose import BlazePose
 from wigwag.pose.body import Body, Point
 from wigwag.pose.estimator import PoseConfig, PoseEstimator
 from wigwag.pose.lift import LiftConfig
+from wigwag.pose.operator import OperatorConfig
 from wigwag.pose.sides import other_side
 from wigwag.skeleton import Landmark, Pose
 
@@ -59,7 +60,13 @@ class Actor:
 
 
 def estimator(*bodies: Body | None, **changes: object) -> PoseEstimator:
-    return PoseEstimator(replace(PoseConfig(lift=SURFACE), **changes), Actor(*bodies))
+    alone = PoseConfig(lift=SURFACE, operator=OperatorConfig(engage="first"))
+    return PoseEstimator(replace(alone, **changes), Actor(*bodies))
+
+
+def why_not(estimate: PoseEstimator, frame: Frame) -> str:
+    assert estimate(frame) is None
+    return estimate.why
 
 
 @pytest.mark.parametrize(("x_m", "z_m"), [(0.0, 3.0), (-0.8, 4.0), (1.2, 6.0)])
@@ -83,9 +90,9 @@ def test_the_head_is_the_middle_of_the_ears_or_the_nose() -> None:
 
 def test_nobody_and_no_depth_under_the_person_are_none() -> None:
     estimate = estimator(None, body_at(0.0, 4.0))
-    assert estimate(frame_at(4.0, 0)) is None
+    assert why_not(estimate, frame_at(4.0, 0)) == "nobody is seen"
     assert estimate.body is None
-    assert estimate(frame_at(0.0, 1)) is None
+    assert why_not(estimate, frame_at(0.0, 1)) == "the depth of who is there cannot be told"
     assert estimate.body is not None
 
 
@@ -114,17 +121,20 @@ def test_time_that_does_not_run_forward_is_an_error(k: int) -> None:
 def test_a_passer_by_does_not_take_the_track_over() -> None:
     """In the picture the track slides over smoothly; in space it jumps two metres nearer."""
     walk = [body_at(0.02 * k, 4.0) for k in range(5)]
-    estimate = estimator(*walk, body_at(0.1, 2.0), body_at(0.1, 2.0), body_at(0.1, 4.0))
+    actor = Actor(*walk, body_at(0.1, 2.0), body_at(0.1, 2.0), *[body_at(0.1, 4.0)] * 4)
+    config = PoseConfig(lift=SURFACE, operator=OperatorConfig(engage="first"))
+    estimate = PoseEstimator(config, actor)
     for k in range(5):
         assert estimate(frame_at(4.0, k)) is not None
-    actor = estimate._tracker
-    assert isinstance(actor, Actor)
     before = actor.resets
-    assert estimate(frame_at(2.0, 5)) is None
+    assert why_not(estimate, frame_at(2.0, 5)) == "somebody or something stands before the operator"
     assert actor.resets == before, "one bad frame may be a hole in the depth"
     assert estimate(frame_at(2.0, 6)) is None
     assert actor.resets == before + 1, "two are another person"
-    assert estimate(frame_at(4.0, 7)) is not None, "the operator is believed at once"
+    for k in (7, 8):
+        assert why_not(estimate, frame_at(4.0, k)) == "in doubt whether this is the operator"
+    assert estimate(frame_at(4.0, 9)) is not None, "the operator is believed after three frames"
+    assert [person.is_operator for person in estimate.people] == [True, False]
 
 
 def test_after_a_while_whoever_is_there_is_believed() -> None:
@@ -140,7 +150,7 @@ def test_running_is_no_jump() -> None:
 
 
 def test_the_real_network_on_a_real_photo(blazepose: BlazePose, photos: dict[str, np.ndarray]) -> None:
-    estimate = PoseEstimator(PoseConfig(lift=SURFACE), blazepose)
+    estimate = PoseEstimator(PoseConfig(lift=SURFACE, operator=OperatorConfig(engage="first")), blazepose)
     depth = np.full((480, 640), 3500, np.uint16)
     pose = estimate(Frame(photos["land"], depth, CAMERA, 0))
     assert pose is not None

@@ -125,3 +125,19 @@ def test_between_rows_a_performance_is_interpolated_and_zero_outside():
 def test_an_unknown_gesture_is_named():
     with pytest.raises(InputError, match=r"no simulated gesture 'salute'.*Available"):
         perform("salute", Person())
+
+
+@pytest.mark.parametrize(("name", "up"), [("engage", 1), ("disengage", 2)])
+def test_who_engages_holds_one_hand_high_and_who_disengages_both(name, up):
+    for seed in range(8):
+        person = Person.random(seed)
+        joints = show(name, person, seed)
+        high = joints[:, HANDS, 2] > joints[:, [JOINT["head"]], 2] + 0.12
+        assert high.sum(axis=1).max() == up
+        assert (high.sum(axis=1) == up).sum() / 30 > (1.1 if up == 1 else 1.6), "held long enough"
+        assert not high[0].any() and not high[-1].any()
+
+
+def test_engaging_leaves_every_other_gesture_as_it_was():
+    """A gesture's place among the names chooses its chance: new names must not shift the others'."""
+    assert perform("up", Person.random(3), 1).duration_s == pytest.approx(2.3333, abs=0.001)

@@ -141,3 +141,14 @@ def test_stepping_back_leads_straight_away_from_wherever_the_drone_is(drone_xy):
     before, after = np.mean(hips[:25], axis=0), np.mean(hips[-25:], axis=0)
     away = (before - drone[:2]) / np.linalg.norm(before - drone[:2])
     np.testing.assert_allclose(after - before, 0.6 * 2.0 * away, atol=0.05)  # ramps of 0.5 s count half
+
+
+def test_the_operator_may_face_past_the_drone_from_the_first_or_later():
+    person, quiet = Person.random(2), Script((), (), (), 6.0)
+    for turned, turns_s in ((np.radians(60.0), 0.0), (np.radians(-45.0), 3.0)):
+        operator = Operator(person, quiet, position_m=(4.0, 0.0), turned_rad=turned, turns_s=turns_s)
+        _, joints = play(operator, RATE)
+        facing = np.angle(np.exp(1j * (heading_of(joints) - np.pi)))
+        first = turned if turns_s == 0 else 0.0
+        assert facing[10:80] == pytest.approx(first, abs=0.12)
+        assert facing[-10:] == pytest.approx(turned, abs=0.12)

@@ -121,3 +121,18 @@ def test_a_walk_covers_its_way():
     clock = np.arange(1.0, 6.0, 0.001)
     way = sum(walk.velocity(t) for t in clock) * 0.001
     np.testing.assert_allclose(way, [0, 0.6 * 2.5], atol=2e-3)  # ramps of 0.5 s count half
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_engaging_comes_first_and_shifts_the_rest(seed):
+    person = Person.random(seed)
+    plain, engaged = plan_session(person, seed), plan_session(person, seed, ScriptConfig(engage=True))
+    assert plain.engaged_s is None
+    first = engaged.acts[0]
+    assert first.motion.name == "engage" and engaged.engaged_s == first.end_s
+    assert len(engaged.acts) == len(engaged.shown) + 1
+    late = engaged.shown[0].start_s - plain.shown[0].start_s
+    assert engaged.shown[0].start_s - engaged.engaged_s > 1.0
+    for before, after in zip(plain.shown, engaged.shown, strict=True):
+        assert (before.label, before.is_command) == (after.label, after.is_command)
+        assert after.start_s - before.start_s == pytest.approx(late)

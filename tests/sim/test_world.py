@@ -8,6 +8,8 @@ from wigwag.camera.frame import Intrinsics
 from wigwag.errors import InputError
 from wigwag.fly.operator import Mount, rotation
 from wigwag.fly.values import Setpoint
+from wigwag.sim.exposure import ExposureConfig
+from wigwag.sim.paint import Look
 from wigwag.sim.quadrotor import EstimateConfig, QuadrotorConfig
 from wigwag.sim.scene import SceneConfig
 from wigwag.sim.wind import WindConfig
@@ -176,3 +178,29 @@ def test_a_late_camera_brings_the_pictures_of_a_prompt_one():
     for _ in range(9):
         frame = prompt.step()
         assert np.array_equal(frame.depth_mm, late_by_stamp[frame.stamp_ns].depth_mm)
+
+
+def test_others_are_in_the_picture_in_the_depth_and_in_the_truth():
+    beside, before = Statue((4.0, 1.2)), Statue((2.5, -0.1))
+    w = World(
+        WorldConfig(intrinsics=SMALL, scene=SceneConfig(clutter=0), quadrotor=CALM, noise=None), 1, Statue(),
+        others=[(beside, Look.from_seed(7)), (before, Look.from_seed(8))],
+    )  # fmt: skip
+    frame, truth = w.step(), w.truth
+    assert truth.hip_center_m[:2] == pytest.approx((4.0, 0.0), abs=0.05)
+    assert truth.other_hip_centers_m[:, :2] == pytest.approx(np.array([beside.at, before.at]), abs=0.05)
+    for hips, metres in zip(truth.other_hip_centers_m, (4.0, 2.5), strict=True):
+        u, v = np.round(SMALL.project(truth.camera.to_camera(hips))).astype(int)
+        assert frame.depth_mm[v, u] / 1000 == pytest.approx(metres - 0.2, abs=0.25)
+    assert len(beside.heard) == len(before.heard) == 2, "everybody lives on the same clock"
+
+
+def test_alone_there_are_no_others():
+    assert world().truth.other_hip_centers_m.shape == (0, 3)
+
+
+def test_in_the_dark_pictures_are_darker_and_depth_is_as_it_was():
+    light, dark = world(), world(exposure=ExposureConfig(light=0.005))
+    one, other = light.step(), dark.step()
+    assert other.rgb.mean() < 0.5 * one.rgb.mean()
+    assert np.array_equal(one.depth_mm, other.depth_mm)

@@ -14,6 +14,7 @@ from wigwag.cli.benchmark_gallery import GalleryBenchmark
 from wigwag.cli.benchmark_lift import LiftBenchmark
 from wigwag.cli.benchmark_link import LinkBenchmark
 from wigwag.cli.benchmark_pose import PoseBenchmark
+from wigwag.cli.benchmark_operator import OperatorBenchmark
 from wigwag.cli.benchmark_reject import RejectBenchmark
 from wigwag.cli.benchmark_transfer import TransferBenchmark
 from wigwag.cli.benchmark_utd_mhad import UtdMhadBenchmark
@@ -34,6 +35,7 @@ class Benchmark:
             | Annotated[FewShotBenchmark, tyro.conf.subcommand("few-shot")]
             | Annotated[RejectBenchmark, tyro.conf.subcommand("reject")]
             | Annotated[LinkBenchmark, tyro.conf.subcommand("link")]
+            | Annotated[OperatorBenchmark, tyro.conf.subcommand("operator")]
             | Annotated[TransferBenchmark, tyro.conf.subcommand("transfer")]
         ]
     ]

@@ -108,11 +108,11 @@ class Demo:
         from wigwag.sim.paint import Look
         from wigwag.sim.person import Person
         from wigwag.sim.quadrotor import QuadrotorConfig
-        from wigwag.sim.script import plan_session
+        from wigwag.sim.script import ScriptConfig, plan_session
         from wigwag.sim.world import World, WorldConfig
 
         person = Person.random(self.seed)
-        script = plan_session(person, self.seed)
+        script = plan_session(person, self.seed, ScriptConfig(engage=True))
         operator = Operator(person, script, position_m=(START_M, 0.0), seed=self.seed)
         config = WorldConfig(quadrotor=QuadrotorConfig(position_m=(0.0, 0.0, 0.0)))
         world = World(config, self.seed, operator, Look.from_seed(self.seed, person.height_m))
@@ -235,7 +235,8 @@ def account(console: Console, summary: dict[str, Any], out: Path) -> None:
             f"One by one: {clips['right']} of {clips['shown']} recordings right, {clips['wrong']} wrong."
         )
     console.print(
-        f"Operator found in {100 * summary['pose']['found']:.1f} % of {summary['pose']['frames']} frames; "
+        f"Operator found in {100 * summary['pose']['found']:.1f} % of the {summary['pose']['frames']} frames "
+        "after engaging; "
         f"{summary['loop']['hz']:.0f} frames a second of one core, world included; {summary['rss_mb']} MB."
     )
     if follow:

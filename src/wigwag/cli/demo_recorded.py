@@ -39,19 +39,23 @@ def fly_recorded(demo: Demo, console: Console) -> dict[str, Any]:
     answers: list[dict[str, Any]] = []
     stream = FlightLog()
     stills: list[Still] = []
-    standing = ScriptConfig(walk_share=0.0, drift_share=0.0)
+    standing = ScriptConfig(walk_share=0.0, drift_share=0.0, engage=True)
+    walking = ScriptConfig(engage=True)
     session: Session | None = None
     # One person's recordings and one world at a time: all of them together would take 150 MB more.
     for number, subject in enumerate(SHOWN):
         with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
             person, chosen, mixed = pool.submit(shown_by, demo.data, subject, [demo.seed, number]).result()
         console.print(f"{subject}: {len(chosen)} recordings one by one")
-        session, script = None, plan_replays(chosen, demo.seed, standing, shuffle=False)
+        session, script = None, plan_replays(chosen, demo.seed, standing, shuffle=False, person=person)
         session = make_session(person, script, estimator, recogniser, demo.seed + number)
         fly(session, estimator, console, None)
         answers += one_by_one(session, six_classes)
         console.print(f"{subject}: a stream of {len(mixed)} recordings, walking between")
-        session, script = None, plan_replays(mixed, demo.seed + number)
+        session, script = (
+            None,
+            plan_replays(mixed, demo.seed + number, walking, person=person),
+        )
         session = make_session(person, script, estimator, recogniser, 100 + demo.seed + number)
         film = demo.out / "demo.mp4" if demo.film and number == 0 else None
         stills += fly(session, estimator, console, film)[:12]

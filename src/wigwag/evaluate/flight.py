@@ -43,6 +43,9 @@ class Row:
     loop_ms: float
     """Everything: rendering, depth noise, physics, pose, lift, recognition, control."""
     mode: str
+    sought: bool = True
+    """By the script the operator had engaged by then, so that they ought to be found: whether or not they
+    were understood."""
 
 
 @dataclass(slots=True)
@@ -139,6 +142,7 @@ def summarise(log: FlightLog) -> dict[str, Any]:
         if outcome is Outcome.RECOGNISED and event is not None
     ]
     rows, flown = log.rows, [row for row in log.rows if row.flying]
+    sought = [row for row in rows if row.sought]
     bearing = np.abs([row.bearing_deg for row in flown])
     distance = np.abs([row.distance_error_m for row in flown])
     loop = np.array([row.loop_ms for row in rows])
@@ -156,8 +160,8 @@ def summarise(log: FlightLog) -> dict[str, Any]:
         "false_on_nothing": on_nothing,
         "false_on_others": len(judgement.false_events) - on_nothing,
         "pose": {
-            "frames": len(rows),
-            "found": _round(np.mean([row.found for row in rows]), 4),
+            "frames": len(sought),
+            "found": _round(np.mean([row.found for row in sought]), 4) if sought else 0.0,
             "ms_median": _round(np.median([row.pose_ms for row in rows])),
         },
         "follow": {

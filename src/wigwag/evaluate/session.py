@@ -75,6 +75,7 @@ class Session:
             pose_ms=1e3 * step.pose_s,
             loop_ms=spent_ms,
             mode=step.verdict.mode.value,
+            sought=seen.stamp_ns * 1e-9 >= (self.script.engaged_s or 0.0),
         )
         self.log.rows.append(row)
         if step.movement is not None:

@@ -1,4 +1,4 @@
-"""A frame becomes a 3-D pose: BlazePose in the colour, depth under its landmarks, one person kept."""
+"""A frame becomes the operator's 3-D pose: bodies in the colour, depth under them, one who commands."""
 
 from __future__ import annotations
 
@@ -12,9 +12,17 @@ from wigwag.camera.frame import Frame
 from wigwag.errors import InputError
 from wigwag.pose.blazepose import BlazePose, BlazePoseConfig
 from wigwag.pose.body import Body
+<<<<<<< HEAD
 from wigwag.pose.engine import PoseEngine
+=======
+from wigwag.pose.engagement import EngagementConfig
+>>>>>>> operator
 from wigwag.pose.lift import LiftConfig, Lifter
-from wigwag.pose.sides import SideKeeper, SidesConfig
+from wigwag.pose.operator import OperatorConfig, OperatorKeeper
+from wigwag.pose.people import People, PeopleConfig, Track
+from wigwag.pose.sides import SidesConfig
+from wigwag.pose.turning import PictureShift
+from wigwag.pose.watching import BodyTracker, PeopleFinder, WatchConfig, Watcher
 from wigwag.skeleton import Pose, from_blazepose33
 
 
@@ -28,6 +36,14 @@ class PoseConfig:
     """How landmarks get their depth."""
     sides: SidesConfig = field(default_factory=SidesConfig)
     """When a change of left and right is not believed."""
+    operator: OperatorConfig = field(default_factory=OperatorConfig)
+    """Whose pose is handed on: by default nobody's before they have engaged."""
+    engagement: EngagementConfig = field(default_factory=EngagementConfig)
+    """How somebody engages and disengages."""
+    people: PeopleConfig = field(default_factory=PeopleConfig)
+    """Who can be whom from one look to the next."""
+    watch: WatchConfig = field(default_factory=WatchConfig)
+    """How much of each frame the networks look at."""
     head: Literal["ears", "nose"] = "ears"
     """What the first landmark is: the middle of the ears, where a Kinect puts its head joint, so that
     people recorded with a Kinect and people seen by a camera agree; or the nose, as in the paper."""
@@ -35,53 +51,120 @@ class PoseConfig:
     """From the lower visibility to the upper one, trust in what is measured grows from least to full."""
     least_trust: float = 0.08
     """How far a landmark that is not seen moves towards each new guess."""
-    max_speed_m_s: float = 5.0
-    """The middle of the hips moves no faster than this, seen from the camera (which turns as well)."""
-    slack_m: float = 0.4
-    """And besides jumps by no more than this: the noise of depth, a hip behind a hand."""
-    forget_s: float = 1.0
-    """After so long without the person, wherever somebody stands is believed."""
-    patience_frames: int = 2
-    """After so many jumped frames in a row the track is let go and the person is searched anew."""
 
 
+<<<<<<< HEAD
+=======
+@dataclass(frozen=True, slots=True)
+class Person:
+    """Somebody in the picture, as the estimator sees them; for display and for judging."""
+
+    number: int
+    """Who, for as long as they are kept in mind; never given twice."""
+    is_operator: bool
+    body: Body | None
+    """In the latest frame's colour picture; ``None``: not looked at or not seen in it."""
+    pose: Pose | None
+    """The same in space, not smoothed."""
+    position_m: Float[np.ndarray, " 3"]
+    """Middle of the hips when seen last, metres, camera optical frame."""
+    seen_ns: int
+    """Stamp of the frame in which they were seen last."""
+    engaging: float
+    """How much of the time that engaging takes one hand has been held up, 0 to 1."""
+    disengaging: float
+    """How much of the time that disengaging takes both hands have been held up, 0 to 1."""
+
+
+>>>>>>> operator
 class PoseEstimator:
-    """Turns each frame of a stream into the pose of the one person it follows.
+    """Turns each frame of a stream into the pose of the operator: of them alone, and only when that is sure.
+
+    Several people are followed; one becomes the operator by engaging (``PoseConfig.operator``), and stays it
+    through crossings and short absences. What the estimator sees besides is there to be shown: ``people``,
+    ``operator``, and in ``why`` the reason for a frame without a pose.
 
     Args:
         config: Options; the defaults suit an RGB-D camera on a drone, 2 to 8 m from the person.
+<<<<<<< HEAD
         tracker: What finds the body; BlazePose on LiteRT by default. See ``wigwag.pose.engine.open_engine``.
+=======
+        tracker: What finds bodies; BlazePose by default. One that finds several people (``PeopleFinder``) is
+            asked for them; one that only follows a single body (``BodyTracker``) is taken by its word, and
+            made to search anew when that body is not the operator's.
+>>>>>>> operator
 
     Raises:
         ModelError: If a network file is missing and cannot be fetched, or is damaged.
     """
 
+<<<<<<< HEAD
     def __init__(self, config: PoseConfig | None = None, tracker: PoseEngine | None = None) -> None:
+=======
+    def __init__(
+        self, config: PoseConfig | None = None, tracker: PeopleFinder | BodyTracker | None = None
+    ) -> None:
+>>>>>>> operator
         self.config = config = config or PoseConfig()
-        self._tracker = tracker or BlazePose(config.blazepose)
         self._lifter = Lifter(config.lift)
-        self._sides = SideKeeper(config.sides)
+        self._people = People(config.people, config.engagement, config.sides)
+        self._keeper = OperatorKeeper(config.operator, self._people)
+        self._shift = PictureShift()
+        eyes = tracker or BlazePose(config.blazepose)
+        self._watcher = Watcher(eyes, config.watch, self.lift, self._people, self._keeper)
         self.body: Body | None = None
-        """What was seen in the latest frame's colour picture, for drawing; ``None``: nobody."""
+        """The operator in the latest frame's colour picture, or while there is none, whoever is known longest
+        (for drawing); ``None``: not seen."""
         self.reset()
 
     def reset(self) -> None:
-        """Forget whom it follows and when the last frame was."""
-        self._tracker.reset()
-        self._sides.reset()
+        """Forget everybody and when the last frame was."""
+        self._watcher.reset()
+        self._people.reset()
+        self._keeper.reset()
+        self._shift.reset()
         self.body = None
-        self._hips_m: Float[np.ndarray, " 3"] | None = None
-        self._hips_ns = 0
         self._relative_m: Float[np.ndarray, "13 3"] | None = None
+        self._handed: tuple[int, int] | None = None
         self._stamp_ns: int | None = None
-        self._jumped = 0
+
+    @property
+    def people(self) -> tuple[Person, ...]:
+        """Everybody who is kept in mind, the longest known first."""
+        return tuple(self._person(track) for track in self._people.tracks)
+
+    @property
+    def operator(self) -> Person | None:
+        """Who commands, also while not seen; ``None``: nobody."""
+        track = self._keeper.track
+        return None if track is None else self._person(track)
+
+    @property
+    def why(self) -> str:
+        """Why the latest frame gave no pose, for people to read; empty if it gave one."""
+        if self._keeper.why and self._watcher.unplaced is not None:
+            return "the depth of who is there cannot be told"
+        return self._keeper.why
 
     def __call__(self, frame: Frame) -> Pose | None:
-        """Return the person's pose, or ``None`` if nobody is there or their depth cannot be told.
+        """Return the operator's pose, or ``None``: see ``why``.
 
         Raises:
             InputError: If the frame has no depth, or is not later than the one before.
         """
+        self._check(frame)
+        shift_px = self._shift(frame.rgb)
+        self._people.begin(frame.stamp_ns, self._keeper.track, shift_px, frame.intrinsics)
+        self._keeper.begin(frame)
+        self._watcher(frame)
+        track = self._keeper.decide(frame.stamp_ns)
+        shown = self._keeper.track or next(iter(self._people.tracks), None)
+        self.body = self._watcher.unplaced if shown is None or shown.body is None else shown.body
+        if track is None or track.pose is None:
+            return None
+        return self._steadied(track.pose, track)
+
+    def _check(self, frame: Frame) -> None:
         if frame.depth_mm is None:
             raise InputError(
                 "Frame.depth_mm is None, but a 3-D pose needs depth in millimetres aligned to the colour "
@@ -93,28 +176,28 @@ class PoseEstimator:
                 f"{self._stamp_ns}. Call reset() before another stream."
             )
         self._stamp_ns = frame.stamp_ns
-        body = self._tracker.track(frame.rgb)
-        if body is None or not np.isfinite(body.points_px).all():
-            self.body = None
+
+    def lift(self, body: Body, frame: Frame) -> Pose | None:
+        """Place a body in space by the frame's depth; ``None`` if there is no depth where the person is."""
+        if frame.depth_mm is None:
             return None
-        self.body = body = self._sides(body, frame.stamp_ns)
         head = self.config.head
         points = from_blazepose33(body.points_px, head)
         visibility = from_blazepose33(body.visibility[:, None], head)[:, 0]
         lifted = self._lifter(points, visibility, frame.depth_mm, frame.intrinsics)
-        if lifted is None:
-            return None
-        pose = Pose(lifted.points_m, lifted.visibility, frame.stamp_ns)
-        if not self._same_person(pose.hip_center, frame.stamp_ns):
-            self._relative_m = None
-            return None
-        return self._steadied(pose)
+        return None if lifted is None else Pose(lifted.points_m, lifted.visibility, frame.stamp_ns)
 
-    def _steadied(self, pose: Pose) -> Pose:
+    def _steadied(self, pose: Pose, track: Track) -> Pose:
         """Let landmarks that are hardly seen follow slowly, relative to the hips; others stay as measured.
 
-        Feet below the picture's edge are guessed anew in every frame, and jump by a decimetre.
+        Feet below the picture's edge are guessed anew in every frame, and jump by a decimetre. Another
+        operator, and one who was gone for a while, begins anew.
         """
+        if self._handed is not None:
+            number, stamp_ns = self._handed
+            if number != track.number or (pose.stamp_ns - stamp_ns) * 1e-9 > _BEGIN_ANEW_S:
+                self._relative_m = None
+        self._handed = (track.number, pose.stamp_ns)
         low, high = self.config.trusted
         relative = pose.joints - pose.hip_center
         if self._relative_m is not None:
@@ -123,22 +206,14 @@ class PoseEstimator:
         self._relative_m = relative
         return replace(pose, joints=relative + pose.hip_center)
 
-    def _same_person(self, hips_m: Float[np.ndarray, " 3"], stamp_ns: int) -> bool:
-        """Say whether somebody here now can be who was there before, and remember where they are.
+    def _person(self, track: Track) -> Person:
+        return Person(
+            track.number, track is self._keeper.track, track.body, track.pose, track.position_m,
+            track.seen_ns, track.engagement.progress, track.engagement.release_progress,
+        )  # fmt: skip
 
-        A passer-by who crosses takes the network's track over. In the picture that looks smooth; in
-        space the hips jump.
-        """
-        config = self.config
-        if self._hips_m is not None:
-            elapsed_s = (stamp_ns - self._hips_ns) * 1e-9
-            far = float(np.linalg.norm(hips_m - self._hips_m))
-            if elapsed_s < config.forget_s and far > config.slack_m + config.max_speed_m_s * elapsed_s:
-                self._jumped += 1
-                if self._jumped >= config.patience_frames:
-                    self._tracker.reset()
-                    self._sides.reset()
-                    self._jumped = 0
-                return False
-        self._hips_m, self._hips_ns, self._jumped = hips_m, stamp_ns, 0
-        return True
+
+_BEGIN_ANEW_S = 0.5
+"""After a gap this long in what is handed on, smoothing forgets."""
+
+__all__ = ["BodyTracker", "PeopleFinder", "Person", "PoseConfig", "PoseEstimator"]

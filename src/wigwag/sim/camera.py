@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from wigwag.camera.frame import Frame
 from wigwag.camera.protocol import Source
 from wigwag.errors import InputError
+from wigwag.sim.exposure import ExposureConfig
 from wigwag.sim.motion import Operator
 from wigwag.sim.noise import SensorNoiseConfig
 from wigwag.sim.paint import Look
+from wigwag.sim.passerby import Passerby, crossings
 from wigwag.sim.person import Person
-from wigwag.sim.script import plan_session
+from wigwag.sim.scene import SceneConfig
+from wigwag.sim.script import ScriptConfig, plan_session
 from wigwag.sim.world import World, WorldConfig
+
+_OTHERS = 500_000
+"""Passers-by are drawn from seeds from here on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +28,7 @@ class SimulatedCameraConfig:
     """Who is seen, and how.
 
     Raises:
-        InputError: If the distance or the duration is not positive.
+        InputError: If the distance, the duration or the light is not positive, or a number is negative.
     """
 
     seed: int = 1
@@ -32,6 +40,18 @@ class SimulatedCameraConfig:
     """``None``: until the operator has shown everything."""
     noise: bool = True
     """Whether the sensor is a real one."""
+    engage: bool = True
+    """Whether the operator first raises one hand, so that a chain that waits for it listens."""
+    passersby: int = 0
+    """How many people walk to and fro before and behind the operator."""
+    light: float = 1.0
+    """1 is daylight, 0.02 dusk, 0.005 the dark; see ``wigwag.sim.exposure``."""
+    turned_deg: float = 0.0
+    """How far past the drone the operator faces."""
+    near: int = 0
+    """How many things stand near the operator."""
+    wall: bool = False
+    """Whether a wall in the colour of the operator's shirt stands behind them."""
 
     def __post_init__(self) -> None:
         """Check what the world does not."""
@@ -39,6 +59,11 @@ class SimulatedCameraConfig:
             raise InputError(
                 "SimulatedCameraConfig needs distance_m and duration_s above 0, but got "
                 f"{self.distance_m} and {self.duration_s}."
+            )
+        if not 0 < self.light <= 1 or self.passersby < 0 or self.near < 0:
+            raise InputError(
+                "SimulatedCameraConfig needs light above 0 and at most 1, passersby and near of 0 or more, "
+                f"but got {self.light}, {self.passersby} and {self.near}."
             )
 
 
@@ -61,13 +86,33 @@ class SimulatedSource(Source):
         """Make the world."""
         c = self.config
         person = Person.random(c.seed)
-        script = plan_session(person, c.seed)
-        operator = Operator(person, script, position_m=(c.distance_m, 0.0), seed=c.seed)
-        noise = SensorNoiseConfig() if c.noise else None
-        config = WorldConfig(rate_hz=c.rate_hz, delay_frames=0, noise=noise)
-        self.world = World(config, c.seed, operator, Look.from_seed(c.seed, person.height_m))
+        script = plan_session(person, c.seed, ScriptConfig(engage=c.engage))
+        turned_rad = float(np.radians(c.turned_deg))
+        operator = Operator(person, script, (c.distance_m, 0.0), seed=c.seed, turned_rad=turned_rad)
+        look = Look.from_seed(c.seed, person.height_m)
+        config = WorldConfig(
+            rate_hz=c.rate_hz,
+            delay_frames=0,
+            noise=SensorNoiseConfig() if c.noise else None,
+            scene=SceneConfig(near=c.near, wall=look.shirt if c.wall else None),
+            exposure=ExposureConfig(light=c.light) if c.light < 1 else None,
+        )
+        others = [self._passerby(k, script.duration_s) for k in range(c.passersby)]
+        self.world = World(config, c.seed, operator, look, others=others)
         duration_s = script.duration_s if c.duration_s is None else min(c.duration_s, script.duration_s)
         self._left = int(duration_s * c.rate_hz)
+
+    def _passerby(self, number: int, duration_s: float) -> tuple[Passerby, Look]:
+        """Let one more person walk to and fro, from their own side and in their own time."""
+        c = self.config
+        rng = np.random.default_rng([0xBA55, c.seed, number])
+        start, ways = crossings(c.distance_m, int(duration_s / 4) + 1, rng)
+        side = 1.0 if number % 2 else -1.0
+        legs = [replace(leg, to_m=(leg.to_m[0], -side * leg.to_m[1])) for way in ways for leg in way]
+        person = Person.random(_OTHERS + 100 * c.seed + number)
+        begin_s = 2.0 + 1.7 * number
+        walker = Passerby(person, (start[0], -side * start[1]), legs, begin_s, seed=number)
+        return walker, Look.from_seed(person.seed, person.height_m)
 
     def read(self) -> Frame | None:
         """Let the world go on by a frame; ``None`` when all is shown."""

@@ -15,7 +15,15 @@ from jaxtyping import Float
 from wigwag.errors import InputError
 from wigwag.sim.kinematics import CHANNEL, CHANNELS, METRES, rest
 from wigwag.sim.person import Person
-from wigwag.sim.scores import BACKGROUND, COMMANDS, DISTRACTORS, SCORES, Key, other_side
+from wigwag.sim.scores import (
+    BACKGROUND,
+    COMMANDS,
+    DISTRACTORS,
+    ENGAGEMENT_SCORES,
+    SCORES,
+    Key,
+    other_side,
+)
 
 __all__ = [
     "BACKGROUND", "COMMANDS", "DISTRACTORS", "SCORES", "TABLE_HZ", "Performance", "minimum_jerk", "perform",
@@ -23,6 +31,9 @@ __all__ = [
 
 TABLE_HZ = 120.0
 """Rate at which a performance is tabulated; between rows it is interpolated."""
+
+_NAMES = [*sorted(SCORES), *sorted(ENGAGEMENT_SCORES)]
+"""A name's place chooses its repetitions, so that new names go to the end."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +70,7 @@ def perform(name: str, person: Person, seed: int | Sequence[int] = 0) -> Perform
     """Let a person show a gesture once.
 
     Args:
-        name: One of ``SCORES``.
+        name: One of ``SCORES``, or ``"engage"`` or ``"disengage"``.
         person: Whose speed, size and habits.
         seed: Chooses the repetition; the same seed gives the same movement.
 
@@ -71,12 +82,12 @@ def perform(name: str, person: Person, seed: int | Sequence[int] = 0) -> Perform
         >>> perform("stop", Person()).table.shape[1] == len(CHANNELS)
         True
     """
-    if name not in SCORES:
-        raise InputError(f"There is no simulated gesture {name!r}. Available gestures: {sorted(SCORES)}.")
-    rng = np.random.default_rng([person.seed, sorted(SCORES).index(name), *np.atleast_1d(seed)])
+    if name not in _NAMES:
+        raise InputError(f"There is no simulated gesture {name!r}. Available gestures: {sorted(_NAMES)}.")
+    rng = np.random.default_rng([person.seed, _NAMES.index(name), *np.atleast_1d(seed)])
     preferred = person.handedness
     hand = preferred if rng.random() < 0.8 else other_side(preferred)
-    tracks = _tracks(SCORES[name](hand), person, rng)
+    tracks = _tracks((SCORES | ENGAGEMENT_SCORES)[name](hand), person, rng)
     end = max(times[-1] for times, _ in tracks.values())
     clock = np.arange(int(np.ceil(end * TABLE_HZ)) + 2) / TABLE_HZ
     table = np.zeros((len(clock), len(CHANNELS)))

@@ -43,6 +43,8 @@ class Operator:
         position_m: Where the operator stands at first, x and y, world ENU.
         heading_rad: Where the operator faces at first, anticlockwise from east.
         seed: Chooses sway, trembling and the like.
+        turned_rad: How far past the drone the operator faces, positive to the operator's left.
+        turns_s: When the operator turns so far; before, they face the drone. 0: they stand so from the first.
 
     Example:
         >>> from wigwag.sim.script import plan_session
@@ -59,12 +61,16 @@ class Operator:
         position_m: tuple[float, float] = (4.0, 0.0),
         heading_rad: float = np.pi,
         seed: int = 0,
+        *,
+        turned_rad: float = 0.0,
+        turns_s: float = 0.0,
     ) -> None:
         self.person = person
         self.script = script
         self.root_xy = np.array(position_m, dtype=np.float64)
         self.velocity_m_s = np.zeros(2)
-        self.heading_rad = float(heading_rad)
+        self.heading_rad = float(heading_rad) + (turned_rad if turns_s <= 0 else 0.0)
+        self._turned_rad, self._turns_s = turned_rad, turns_s
         self._turn_rate = 0.0
         self._rest = rest(person)
         self._idle = _Idle(person, np.random.default_rng([0x1D1E, person.seed, seed]))
@@ -156,7 +162,7 @@ class Operator:
         left_s = walk.start_s + walk.duration_s - t_s
         if walk.turn == 0 or t_s < walk.start_s or left_s < 0.45:
             return 0.0
-        away = _wrap(walk.direction_rad - self.heading_rad)
+        away = wrap(walk.direction_rad - self.heading_rad)
         return max(-1.0, min(1.0, walk.turn * away))
 
     def _face(self, dt_s: float, drone_xy: Float[np.ndarray, 2], turn: float) -> None:
@@ -165,7 +171,12 @@ class Operator:
         if np.hypot(*span) < 0.3:  # overhead: there is no direction to face
             error = 0.0
         else:
-            error = _wrap(float(np.arctan2(span[1], span[0])) + turn - self.heading_rad)
+            past = turn + (self._turned_rad if (self._last_s or 0.0) >= self._turns_s else 0.0)
+            error = wrap(float(np.arctan2(span[1], span[0])) + past - self.heading_rad)
+        self._turn(error, dt_s)
+
+    def _turn(self, error: float, dt_s: float) -> None:
+        """Turn by ``error`` radians, as far as that goes in ``dt_s``."""
         acceleration = FACING_RATE_S**2 * error - 2 * FACING_RATE_S * self._turn_rate
         rate = self._turn_rate + dt_s * max(-8.0, min(8.0, acceleration))
         self._turn_rate = max(-_TURN_RATE_MAX_RAD_S, min(_TURN_RATE_MAX_RAD_S, rate))
@@ -281,6 +292,6 @@ def play(
     return times, pose_states(operator.person, states)
 
 
-def _wrap(angle: float) -> float:
+def wrap(angle: float) -> float:
     """Bring an angle into -pi to pi."""
     return float((angle + np.pi) % (2 * np.pi) - np.pi)

@@ -31,6 +31,13 @@ class SceneConfig:
     """``"meadow"`` or ``"gravel"``."""
     clutter: int = 14
     """How many trees, poles and boxes stand 8 to 20 m around."""
+    near: int = 0
+    """How many boxes, posts and bushes stand within arm's reach and three metres of the operator, beside and
+    behind them, off the ways 0.8 to 1.5 m before and behind on which people pass."""
+    wall: str | None = None
+    """Display colour of a wall behind the operator, ``"#rrggbb"``; no wall if ``None``."""
+    wall_behind_m: float = 2.6
+    """How far behind the operator the wall stands."""
     sun_elevation_deg: float = 42.0
     sun_azimuth_deg: float | None = None
     """Anticlockwise from east; drawn from the seed if ``None``."""
@@ -42,7 +49,8 @@ class Scene:
     Args:
         config: What to build.
         seed: The same seed gives the same scene.
-        clear: Points on the ground (metres, world frame) that clutter keeps 7 m away from.
+        clear: Points on the ground (metres, world frame) that clutter keeps 7 m away from: where the operator
+            stands, then where the drone does.
     """
 
     def __init__(
@@ -67,6 +75,9 @@ class Scene:
         near = np.zeros((1, 2)) if clear is None else np.asarray(clear, float)
         self.shapes = _clutter(rng, config.clutter, near)
         self.leaves = _leaves(rng)
+        around = np.random.default_rng([seed, 0x5CF])  # what is added leaves the rest of the scene as it was
+        added = [_beside(around, config.near, near), _wall(config, near)]
+        self.shapes = Shapes.joined([self.shapes, *(s for s in added if len(s))])
         self.patches = np.asarray(1 + 0.09 * _noise(rng, 256, 1.3), dtype=np.float32).clip(0.7, 1.3)
         self.levels = _levels(k=_TEXEL_M)
 
@@ -151,10 +162,7 @@ def _clutter(rng: np.random.Generator, count: int, clear: Float[np.ndarray, "poi
             continue
         placed.append(spot)
         groups.append((_tree, _crate, _tree, _pole)[k % 4](rng, spot))
-    if not groups:
-        empty = np.zeros((0, 3))
-        return Shapes.capsules(empty, empty, np.zeros((0, 2)), np.zeros((0, 2, 3)))
-    return Shapes.joined(groups)
+    return Shapes.joined(groups) if groups else _nothing()
 
 
 def _tree(rng: np.random.Generator, spot: Float[np.ndarray, 2]) -> Shapes:
@@ -187,6 +195,79 @@ def _crate(rng: np.random.Generator, spot: Float[np.ndarray, 2]) -> Shapes:
     wood = rng.choice(["#a98157", "#8f8a80", "#4c6a86"])
     colours = np.array([linear_rgb(wood), [0.5 * c for c in linear_rgb(wood)]])
     return Shapes.box(np.array([*spot, half[2]]), half, rng.uniform(0, np.pi), colours)
+
+
+def _sight(clear: Float[np.ndarray, "points 2"]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return where the operator stands, and unit vectors away from the drone and to the left of that."""
+    away = clear[0] - (clear[1] if len(clear) > 1 else clear[0] - np.array([1.0, 0.0]))
+    away = away / max(float(np.hypot(*away)), 1e-9)
+    return clear[0], away, np.array([-away[1], away[0]])
+
+
+def _beside(rng: np.random.Generator, count: int, clear: Float[np.ndarray, "points 2"]) -> Shapes:
+    """Small things around the operator: beside them, or behind the ways on which people pass."""
+    here, away, left = _sight(clear)
+    groups: list[Shapes] = []
+    placed: list[np.ndarray] = []
+    for k in range(count):
+        for _ in range(50):
+            sign = rng.choice([-1.0, 1.0])
+            if k % 2:
+                off = rng.uniform(1.85, 2.25) * away + sign * rng.uniform(0.0, 2.4) * left
+            else:
+                off = rng.uniform(-0.3, 0.3) * away + sign * rng.uniform(0.85, 2.4) * left
+            if all(np.linalg.norm(off - other) > 0.6 for other in placed):
+                break
+        else:
+            continue
+        placed.append(off)
+        groups.append((_stool, _post, _bush)[k % 3](rng, here + off))
+    return Shapes.joined(groups) if groups else _nothing()
+
+
+def _stool(rng: np.random.Generator, spot: Float[np.ndarray, 2]) -> Shapes:
+    half = np.array([rng.uniform(0.16, 0.28), rng.uniform(0.16, 0.28), rng.uniform(0.22, 0.5)])
+    paint = linear_rgb(str(rng.choice(["#a98157", "#8f8a80", "#4c6a86", "#7d2f2a", "#20242b"])))
+    colours = np.array([paint, [0.5 * c for c in paint]])
+    return Shapes.box(np.array([*spot, half[2]]), half, rng.uniform(0, np.pi), colours)
+
+
+def _post(rng: np.random.Generator, spot: Float[np.ndarray, 2]) -> Shapes:
+    """A post with a sign: as tall and as slim as a person."""
+    height = rng.uniform(1.5, 2.1)
+    foot, top = np.array([*spot, 0.0]), np.array([*spot, height])
+    grey = np.array([linear_rgb("#6f7478")] * 2)
+    shaft = Shapes.capsules(foot[None], top[None], np.array([[0.05, 0.045]]), grey[None])
+    sign = linear_rgb(str(rng.choice(["#b8322b", "#2b5fa8", "#d9d5cb", "#d3a92f"])))
+    board = Shapes.box(
+        np.array([*spot, height - 0.2]), np.array([0.04, 0.26, 0.2]), rng.uniform(-0.5, 0.5),
+        np.array([sign, sign]), Surface.PLAIN,
+    )  # fmt: skip
+    return Shapes.joined([shaft, board])
+
+
+def _bush(rng: np.random.Generator, spot: Float[np.ndarray, 2]) -> Shapes:
+    n = 3
+    size = rng.uniform(0.24, 0.36, n)
+    centres = np.column_stack([spot + rng.normal(0, 0.12, (n, 2)), size * rng.uniform(0.6, 1.5, n)])
+    colours = np.broadcast_to(np.array([linear_rgb("#2d4a30"), linear_rgb("#6f8f3f")]), (n, 2, 3))
+    return Shapes.capsules(centres, centres, np.stack([size, size], axis=1), colours, Surface.LEAVES)
+
+
+def _wall(config: SceneConfig, clear: Float[np.ndarray, "points 2"]) -> Shapes:
+    if config.wall is None:
+        return _nothing()
+    here, away, _ = _sight(clear)
+    spot = here + config.wall_behind_m * away
+    colours = np.array([linear_rgb(config.wall)] * 2)
+    half = np.array([0.1, 7.0, 1.7])
+    heading = float(np.arctan2(away[1], away[0]))
+    return Shapes.box(np.array([*spot, half[2]]), half, heading, colours, Surface.PLAIN)
+
+
+def _nothing() -> Shapes:
+    empty = np.zeros((0, 3))
+    return Shapes.capsules(empty, empty, np.zeros((0, 2)), np.zeros((0, 2, 3)))
 
 
 def _direction(rng: np.random.Generator) -> Float[np.ndarray, 2]:

@@ -334,8 +334,25 @@ DISTRACTOR_SCORES: dict[str, Score] = {
 }  # fmt: skip
 """Movements that are no command and that no training ever sees: what the demo distracts with."""
 
+
+def _engage(hand: Side) -> list[Key]:
+    """Raise one hand high above the head and hold it still; the other hangs."""
+    up = _one(hand, **{"raise": 168, "forward": 6, "bend": 14, "roll": -60})
+    return [Key(0.7, up), Key(1.9, up), Key(0.7, REST)]
+
+
+def _disengage(_: Side) -> list[Key]:
+    """Raise both hands high above the head and hold them still."""
+    up = _both(**{"raise": 166, "forward": 6, "bend": 14, "roll": -60})
+    return [Key(0.7, up), Key(2.6, up), Key(0.7, REST)]
+
+
+ENGAGEMENT_SCORES: dict[str, Score] = {"engage": _engage, "disengage": _disengage}
+"""How somebody becomes the operator and ceases to be: held still, which no command and no movement of
+everyday life is (``wigwag.pose.engagement``)."""
+
 SCORES: dict[str, Score] = {**COMMAND_SCORES, **BACKGROUND_SCORES, **DISTRACTOR_SCORES}
-"""Every gesture by name."""
+"""Every gesture by name, but for how one engages."""
 
 COMMANDS = tuple(COMMAND_SCORES)
 BACKGROUND = tuple(BACKGROUND_SCORES)

@@ -89,13 +89,15 @@ class Script:
     """A planned session of one operator."""
 
     acts: tuple[Act, ...]
-    """What is shown, in order of time."""
+    """What is shown, in order of time; engaging comes first and is not among ``shown``."""
     walks: tuple[Walk, ...]
     """Where the operator walks, in order of time."""
     shown: tuple[Shown, ...]
-    """The truth, one entry an act."""
+    """The truth, one entry an act that a recogniser is to judge."""
     duration_s: float
     """Length of the session."""
+    engaged_s: float | None = None
+    """When the raised hand with which the operator engages is down again; ``None``: nobody engages."""
 
     def __post_init__(self) -> None:
         """Check that nothing overlaps."""
@@ -119,6 +121,8 @@ class ScriptConfig:
     """Movements that are no command."""
     n_others: int = 6
     """How many of them are shown."""
+    engage: bool = False
+    """Whether the operator engages before the first movement (``wigwag.pose.engagement``)."""
     lead_in_s: float = 1.2
     """Standing before the first movement."""
     tail_s: float = 1.8
@@ -196,6 +200,16 @@ class Planner:
     acts: list[Act] = field(default_factory=list)
     walks: list[Walk] = field(default_factory=list)
     shown: list[Shown] = field(default_factory=list)
+    engaged_s: float | None = None
+
+    def begin(self, person: Person, seed: int) -> None:
+        """Stand before the first movement and, if so configured, engage."""
+        self.wait(self.config.lead_in_s)
+        if not self.config.engage:
+            return
+        self.acts.append(Act(self.now_s, perform("engage", person, seed)))
+        self.engaged_s = self.now_s = self.acts[-1].end_s
+        self.wait(self.config.gap_s[1])
 
     def wait(self, duration_s: float) -> None:
         """Stand."""
@@ -255,7 +269,7 @@ class Planner:
     def finish(self) -> Script:
         """Close the plan."""
         self.wait(self.config.tail_s)
-        return Script(tuple(self.acts), tuple(self.walks), tuple(self.shown), self.now_s)
+        return Script(tuple(self.acts), tuple(self.walks), tuple(self.shown), self.now_s, self.engaged_s)
 
 
 def plan_session(person: Person, seed: int, config: ScriptConfig | None = None) -> Script:
@@ -277,7 +291,7 @@ def plan_session(person: Person, seed: int, config: ScriptConfig | None = None) 
     config = config or ScriptConfig()
     rng = np.random.default_rng([0x5C21, seed])
     planner = Planner(config, rng)
-    planner.wait(config.lead_in_s)
+    planner.begin(person, seed)
     order = shuffled_order(config, rng)
     flying = Command.TAKE_OFF.value not in config.commands
     for index, (name, is_command) in enumerate(order):
@@ -307,6 +321,7 @@ def plan_replays(
     seed: int,
     config: ScriptConfig | None = None,
     shuffle: bool = True,
+    person: Person | None = None,
 ) -> Script:
     """Plan a stream of recordings with standing and walking between.
 
@@ -315,11 +330,12 @@ def plan_replays(
         seed: Chooses order, gaps and walks.
         config: Gaps and walks; what it says about gestures is not used.
         shuffle: Whether the recordings are shuffled; if not, they are shown in the order given.
+        person: Whose habits engaging has, if the configuration asks for it.
     """
     config = config or ScriptConfig()
     rng = np.random.default_rng([0x5C22, seed])
     planner = Planner(config, rng)
-    planner.wait(config.lead_in_s)
+    planner.begin(person or Person(), seed)
     order = rng.permutation(len(replays)) if shuffle else np.arange(len(replays))
     for place, index in enumerate(order):
         planner.act(*replays[int(index)])

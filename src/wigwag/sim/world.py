@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -15,6 +15,7 @@ from wigwag.camera.frame import Frame, Intrinsics
 from wigwag.errors import InputError
 from wigwag.fly.operator import Mount
 from wigwag.fly.values import Setpoint, VehicleState
+from wigwag.sim.exposure import Exposure, ExposureConfig
 from wigwag.sim.noise import SensorNoise, SensorNoiseConfig
 from wigwag.sim.paint import Look
 from wigwag.sim.quadrotor import Quadrotor, QuadrotorConfig
@@ -51,6 +52,8 @@ class WorldConfig:
     scene: SceneConfig = field(default_factory=SceneConfig)
     noise: SensorNoiseConfig | None = field(default_factory=SensorNoiseConfig)
     """``None``: a perfect sensor."""
+    exposure: ExposureConfig | None = None
+    """How dark it is; ``None``: broad daylight."""
 
     def __post_init__(self) -> None:
         """Check what would otherwise surface far from here."""
@@ -70,6 +73,14 @@ class Truth:
     camera: CameraPose
     drone: VehicleState
     """The true one, world frame ENU."""
+    others_m: tuple[Float[np.ndarray, "20 3"], ...] = ()
+    """Everybody else's joints, Kinect-20, world frame ENU."""
+
+    @property
+    def other_hip_centers_m(self) -> Float[np.ndarray, "others 3"]:
+        """Middle of everybody else's hips, world frame."""
+        others = np.asarray(self.others_m).reshape(-1, len(KINECT20), 3)
+        return np.asarray((others[:, _LEFT_HIP] + others[:, _RIGHT_HIP]) / 2)
 
     @property
     def hip_center_m(self) -> Float[np.ndarray, 3]:
@@ -114,6 +125,7 @@ class World:
         operator: Who stands in front of the drone.
         look: How the operator looks; drawn from the seed if ``None``. A known person's head and limbs fit
             if it is ``Look.from_seed(seed, person.height_m)``.
+        others: Who else is there, and how each looks.
         clock: Processor seconds of the calling thread, for ``spent`` only.
 
     Example:
@@ -133,6 +145,8 @@ class World:
         seed: int,
         operator: Body,
         look: Look | None = None,
+        *,
+        others: Sequence[tuple[Body, Look]] = (),
         clock: Callable[[], float] = time.thread_time,
     ) -> None:
         self.config = config
@@ -143,8 +157,10 @@ class World:
             self._quadrotor, config.autopilot, airborne=config.quadrotor.position_m[2] > 0
         )
         self._noise = SensorNoise(config.noise, config.intrinsics, seed) if config.noise else None
+        self._exposure = Exposure(config.exposure, seed) if config.exposure else None
+        self._others = tuple(others)
         self._count = 0
-        self._joints = self._move(1.0 / config.rate_hz)
+        self._joints, self._joints_of_others = self._move(1.0 / config.rate_hz)
         middle = (self._joints[_LEFT_HIP] + self._joints[_RIGHT_HIP])[:2] / 2
         clear = np.stack([middle, np.asarray(config.quadrotor.position_m[:2], float)])
         self._renderer = Renderer(config.intrinsics, Scene(config.scene, seed, clear=clear))
@@ -170,7 +186,7 @@ class World:
     @property
     def truth_now(self) -> Truth:
         """How it is now: later than the frame returned last by the camera's delay."""
-        return Truth(self.now_ns, self._joints, self._camera(), self._quadrotor.state)
+        return Truth(self.now_ns, self._joints, self._camera(), self._quadrotor.state, self._joints_of_others)
 
     def step(self, setpoint: Setpoint | None = None) -> Frame:
         """Go on by one frame of the camera and return the newest picture that has arrived.
@@ -186,7 +202,7 @@ class World:
         began = self._clock()
         self._vehicle.step(dt_s)
         flown = self._clock()
-        self._joints = self._move(dt_s)
+        self._joints, self._joints_of_others = self._move(dt_s)
         self.spent.physics_ms = 1e3 * (flown - began)
         self.spent.operator_ms = 1e3 * (self._clock() - flown)
         self._pending.append(self._shoot(self.truth_now))
@@ -202,9 +218,11 @@ class World:
             stamp = round(-(k - 1) * period_ns)
             self._pending.append((Frame(frame.rgb, frame.depth_mm, frame.intrinsics, stamp), truth))
 
-    def _move(self, dt_s: float) -> Float[np.ndarray, "20 3"]:
+    def _move(self, dt_s: float) -> tuple[Float[np.ndarray, "20 3"], tuple[Float[np.ndarray, "20 3"], ...]]:
         at = self._quadrotor.state.position_m
-        return np.asarray(self._operator.step(self._quadrotor.time_s, dt_s, at), dtype=np.float64)
+        bodies = [self._operator, *(body for body, _ in self._others)]
+        moved = [np.asarray(body.step(self._quadrotor.time_s, dt_s, at), dtype=np.float64) for body in bodies]
+        return moved[0], tuple(moved[1:])
 
     def _camera(self) -> CameraPose:
         mount = self.config.mount
@@ -214,8 +232,12 @@ class World:
 
     def _shoot(self, truth: Truth) -> tuple[Frame, Truth]:
         began = self._clock()
-        rgb, depth = self._renderer.render(truth.camera, [(truth.joints_m, self._look)])
+        looks = [self._look, *(look for _, look in self._others)]
+        people = list(zip((truth.joints_m, *truth.others_m), looks, strict=True))
+        rgb, depth = self._renderer.render(truth.camera, people)
         rendered = self._clock()
+        if self._exposure is not None:
+            rgb = self._exposure.apply(rgb)
         if self._noise is not None:
             rgb, depth = self._noise.apply(rgb, depth)
         self.spent.render_ms = 1e3 * (rendered - began)

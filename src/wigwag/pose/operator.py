@@ -1,0 +1,249 @@
+"""Whose body commands: one person, kept through crossings and short absences, and never mistaken."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Literal
+
+import numpy as np
+
+from wigwag.camera.frame import Frame, Intrinsics
+from wigwag.errors import InputError
+from wigwag.pose.cover import Cover, cover_at
+from wigwag.pose.engagement import Signal
+from wigwag.pose.people import People, Seen, Track
+from wigwag.pose.region import Region
+
+
+@dataclass(frozen=True, slots=True)
+class OperatorConfig:
+    """Who becomes the operator, and what it takes to stay it.
+
+    Raises:
+        InputError: If a value is out of range; the message names it.
+    """
+
+    engage: Literal["gesture", "first"] = "gesture"
+    """``"gesture"``: whoever holds one hand above the head for a second (``wigwag.pose.engagement``); nobody
+    before. ``"first"``: whoever is found first, for a person alone with a webcam; whoever is there once they
+    are gone."""
+    lost_s: float = 10.0
+    """An operator not seen for so long is the operator no longer (``"gesture"``)."""
+    first_lost_s: float = 1.0
+    """The same (``"first"``)."""
+    away_s: float = 2.0
+    """An operator not seen for so long, though nobody stood before them, has to engage again, and only they
+    can: until ``lost_s`` nobody who looks different is let in."""
+    glitch_s: float = 0.15
+    """A gap up to this long is the network's, and what fits after it is believed at once."""
+    confirm: int = 3
+    """After a longer gap, so many frames in a row must fit; twice as many if the place was seen empty."""
+    hidden: float = 0.3
+    """From this share of the trunk on that something nearer covers, nothing is handed on."""
+    gone: float = 0.8
+    """From this share on the network is not even asked: it would see who stands before the operator."""
+    wary_s: float = 2.0
+    """For so long after somebody was before or beside the operator, clothes must fit as well."""
+
+    def __post_init__(self) -> None:
+        """Check ranges once, where the configuration enters."""
+        if self.engage not in ("gesture", "first"):
+            raise InputError(f"OperatorConfig.engage must be 'gesture' or 'first', but got {self.engage!r}.")
+        for name in ("lost_s", "first_lost_s", "away_s", "glitch_s", "confirm", "hidden", "gone", "wary_s"):
+            if not 0 < getattr(self, name) < np.inf:
+                raise InputError(f"OperatorConfig.{name} must be above 0, but got {getattr(self, name)}.")
+
+
+class Claim(Enum):
+    """Whether a look is the operator's."""
+
+    NO = 0
+    """It is somebody else's, or nobody can tell."""
+    MAYBE = 1
+    """It fits; a few more frames have to."""
+    YES = 2
+
+
+class OperatorKeeper:
+    """Knows who the operator is, and whether a look is theirs. When in doubt, it is not.
+
+    A frame goes: ``begin``, a ``claim`` for every look that may be the operator's, ``decide``.
+
+    Args:
+        config: Who becomes and stays the operator.
+        people: Everybody in the picture.
+    """
+
+    def __init__(self, config: OperatorConfig, people: People) -> None:
+        self.config, self._people = config, people
+        self.reset()
+
+    def reset(self) -> None:
+        """Nobody is the operator."""
+        self.track: Track | None = None
+        """The operator."""
+        self.cover = Cover()
+        """What stands at the operator's place in the frame in hand."""
+        self.sure = False
+        """Whether the operator was seen in the frame in hand, and is them beyond doubt."""
+        self.why = "nobody has engaged"
+        """Why nothing is handed on; empty if something is."""
+        self._last_ns: int | None = None
+        self._forget_operator()
+
+    def _forget_operator(self) -> None:
+        self.track, self.cover, self.sure = None, Cover(), False
+        self._trial: list[Seen] = []
+        self._trial_ns = 0
+        self._absent_s = 0.0
+        self._wary_ns: int | None = None
+        self._before_m: tuple[float, int] | None = None
+        self._in_doubt = False
+
+    @property
+    def away(self) -> bool:
+        """Whether the operator has to engage again to be believed."""
+        return self._absent_s > self.config.away_s
+
+    def region(self, now_ns: int, intrinsics: Intrinsics) -> Region:
+        """Return where in the picture to look for the operator now."""
+        assert self.track is not None
+        if self._trial and (now_ns - self._trial_ns) * 1e-9 <= self.config.glitch_s:
+            return self._trial[-1].region
+        return self.track.expected_region(now_ns, self._people.config.coast_s, intrinsics)
+
+    def begin(self, frame: Frame) -> None:
+        """Begin a frame: see by depth what stands at the operator's place; count how long they are gone."""
+        now, config, track = frame.stamp_ns, self.config, self.track
+        since_s = 0.0 if self._last_ns is None else (now - self._last_ns) * 1e-9
+        self._last_ns, self.sure = now, False
+        if track is None:
+            return
+        lost_s = config.lost_s if config.engage == "gesture" else config.first_lost_s
+        if track.age_s(now) > lost_s:
+            self._release()
+            return
+        self.cover = cover = cover_at(frame, track.expected_m(now, self._people.config.coast_s))
+        if cover.nearer >= config.hidden:
+            self._in_doubt, self._wary_ns = True, now
+            if cover.range_m is not None:
+                self._before_m = (cover.range_m, now)
+        elif track.age_s(now) > 0.5:
+            self._absent_s += since_s
+        if self._people.close_to(track, now):
+            self._wary_ns = now
+
+    def _wary(self, now_ns: int) -> bool:
+        return self._wary_ns is not None and (now_ns - self._wary_ns) * 1e-9 <= self.config.wary_s
+
+    def claim(self, seen: Seen, now_ns: int) -> Claim:
+        """Say whether a look is the operator's, and take it as theirs if it is."""
+        track, people = self.track, self._people
+        if track is None or self.away or not self._fits(track, seen, now_ns):
+            return Claim.NO
+        gap_s = track.age_s(now_ns)
+        if gap_s > self.config.glitch_s:
+            self._in_doubt = True
+        if self._in_doubt:
+            if not self._confirmed(seen, now_ns):
+                if gap_s <= self.config.glitch_s:  # still followed, and half hidden
+                    people.update(track, seen, now_ns, learn=False, hidden=True)
+                return Claim.MAYBE
+            self._in_doubt = False
+        self._trial, self._absent_s, self.sure = [], 0.0, True
+        people.update(track, seen, now_ns, learn=not self._wary(now_ns))
+        return Claim.YES
+
+    def _fits(self, track: Track, seen: Seen, now_ns: int) -> bool:
+        """Say whether a look can be the operator's in space, size, clothes, and against everybody else."""
+        people = self._people
+        slack = np.inf
+        if self._before_m is not None and (now_ns - self._before_m[1]) * 1e-9 < self.config.wary_s:
+            # Whoever stands before the operator is known by their distance: nearer to it than to the
+            # operator's own is not the operator.
+            expected = float(np.linalg.norm(track.expected_m(now_ns, people.config.coast_s)))
+            slack = max(0.5 * (expected - self._before_m[0] - _SURFACE_M), 0.2)
+        if people.misfit(track, seen, now_ns, slack) >= 1.0 or not people.sized_like(track, seen):
+            return False
+        mine = people.away_m(track, seen, now_ns)
+        for other in people.close_to(track, now_ns):
+            if other.looks > 1 and other.age_s(now_ns) < 0.5 and people.away_m(other, seen, now_ns) < mine:
+                return False
+        careful = self._wary(now_ns) or track.age_s(now_ns) > self.config.glitch_s
+        return not careful or people.looks_like(track, seen.appearance)
+
+    def _confirmed(self, seen: Seen, now_ns: int) -> bool:
+        """Count this look; say whether enough of them in a row agree."""
+        if self._trial:
+            last = self._trial[-1]
+            late = (now_ns - self._trial_ns) * 1e-9 > self.config.glitch_s
+            if late or np.linalg.norm(seen.position_m - last.position_m) > 0.45:
+                self._trial = []
+        if self.cover.nearer >= self.config.hidden:
+            self._trial = []
+            return False
+        self._trial.append(seen)
+        self._trial_ns = now_ns
+        needed = self.config.confirm * (2 if self._absent_s > 0.0 else 1)
+        return len(self._trial) >= needed
+
+    def decide(self, now_ns: int) -> Track | None:
+        """End a frame: hear who engages or disengages; return whose pose may be handed on."""
+        heard = [
+            (track, track.engagement.update(track.pose))
+            for track in self._people.tracks
+            if track.pose is not None and (track is not self.track or self.sure)
+        ]
+        for track, signal in heard:
+            if track is self.track and signal is Signal.DISENGAGE and self.config.engage == "gesture":
+                self._release()
+                self.why = "the operator disengaged"
+                return None
+        if self.track is None:
+            self._engage(heard)
+        elif self.away:
+            self._engage([h for h in heard if self._people.looks_like(self.track, h[0].appearance)])
+        self.why = self._reason(now_ns)
+        return self.track if self.sure and self.track is not None else None
+
+    def _engage(self, heard: list[tuple[Track, Signal | None]]) -> None:
+        if self.config.engage == "first":
+            chosen = [track for track, _ in heard]
+        else:
+            chosen = [track for track, signal in heard if signal is Signal.ENGAGE]
+        if not chosen:
+            return
+        old = self.track
+        self._forget_operator()
+        if old is not None and old is not chosen[0]:
+            self._people.tracks.remove(old)
+        self.track, self.sure = chosen[0], True
+
+    def _release(self) -> None:
+        """Nobody is the operator any more; whoever wants to be it has to begin now."""
+        self._forget_operator()
+        for track in self._people.tracks:
+            track.engagement.reset()
+
+    def _reason(self, now_ns: int) -> str:
+        """Say why nothing is handed on, for people to read."""
+        if self.sure:
+            return ""
+        if self.track is None:
+            return "nobody has engaged" if self._people.tracks else "nobody is seen"
+        if self.cover.nearer >= self.config.hidden:
+            return "somebody or something stands before the operator"
+        if self.away:
+            return "the operator went away and has to engage again"
+        if self._trial:
+            return "in doubt whether this is the operator"
+        if self.cover.outside:
+            return "the operator is out of the picture"
+        return "the operator is not seen"
+
+
+_SURFACE_M = 0.1
+"""How far the hips lie behind the surface that depth sees."""
+
+__all__ = ["Claim", "OperatorConfig", "OperatorKeeper"]
