@@ -8,6 +8,7 @@ from typing import Annotated
 import tyro
 
 from wigwag.cli.benchmark_dtw import DtwBenchmark
+from wigwag.cli.benchmark_far import FarBenchmark
 from wigwag.cli.benchmark_few_shot import FewShotBenchmark
 from wigwag.cli.benchmark_gallery import GalleryBenchmark
 from wigwag.cli.benchmark_lift import LiftBenchmark
@@ -24,6 +25,7 @@ class Benchmark:
         tyro.conf.OmitSubcommandPrefixes[
             Annotated[UtdMhadBenchmark, tyro.conf.subcommand("utd-mhad")]
             | Annotated[LiftBenchmark, tyro.conf.subcommand("lift")]
+            | Annotated[FarBenchmark, tyro.conf.subcommand("far")]
             | Annotated[DtwBenchmark, tyro.conf.subcommand("dtw")]
             | Annotated[GalleryBenchmark, tyro.conf.subcommand("gallery")]
             | Annotated[FewShotBenchmark, tyro.conf.subcommand("few-shot")]
