@@ -9,12 +9,13 @@ import tyro
 
 from wigwag.cli.benchmark_camera import CameraBenchmark
 from wigwag.cli.benchmark_dtw import DtwBenchmark
+from wigwag.cli.benchmark_far import FarBenchmark
 from wigwag.cli.benchmark_few_shot import FewShotBenchmark
 from wigwag.cli.benchmark_gallery import GalleryBenchmark
 from wigwag.cli.benchmark_lift import LiftBenchmark
 from wigwag.cli.benchmark_link import LinkBenchmark
-from wigwag.cli.benchmark_pose import PoseBenchmark
 from wigwag.cli.benchmark_operator import OperatorBenchmark
+from wigwag.cli.benchmark_pose import PoseBenchmark
 from wigwag.cli.benchmark_reject import RejectBenchmark
 from wigwag.cli.benchmark_transfer import TransferBenchmark
 from wigwag.cli.benchmark_utd_mhad import UtdMhadBenchmark
@@ -30,6 +31,7 @@ class Benchmark:
             | Annotated[LiftBenchmark, tyro.conf.subcommand("lift")]
             | Annotated[PoseBenchmark, tyro.conf.subcommand("pose")]
             | Annotated[CameraBenchmark, tyro.conf.subcommand("camera")]
+            | Annotated[FarBenchmark, tyro.conf.subcommand("far")]
             | Annotated[DtwBenchmark, tyro.conf.subcommand("dtw")]
             | Annotated[GalleryBenchmark, tyro.conf.subcommand("gallery")]
             | Annotated[FewShotBenchmark, tyro.conf.subcommand("few-shot")]

@@ -2,8 +2,9 @@
 
 Detector and landmark network are MediaPipe's (Bazarevsky et al., BlazePose, 2020). Two things around
 them are ours. The search: the detector's 224 pixels lose people beyond some five metres when they must
-hold the full frame, so crops are searched as well. The check: in clutter the detector sees people in
-every third picture and the landmark network agrees with a score of 0.99; its heat maps do not.
+hold the full frame, so crops are searched as well (``search.py``). The check: in clutter the detector
+sees people in two pictures of three and the landmark network agrees with a score of 0.99. Its heat maps
+do not, and least of all when it is shown the mirror image: a person is found in the same place again.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from jaxtyping import UInt8
+from jaxtyping import Float, UInt8
 
 from wigwag.errors import InputError
 from wigwag.pose.body import Body
@@ -23,12 +24,9 @@ from wigwag.pose.detector import Detector
 from wigwag.pose.landmarker import Landmarker, Sighting
 from wigwag.pose.models import DETECTOR, LANDMARKERS, find_model
 from wigwag.pose.region import Region
+from wigwag.pose.search import AROUND, TILE_SHARES, Search, search_tiles
 
-_CROP_SCALE = 1.5
-"""Where a body was, the detector looks at an upright square that is wider than its region by this."""
-_PATIENCE = 4
-_MIN_CROP = 48.0
-"""Pixels; a person in a smaller crop is too small for the landmark network."""
+_PATIENCE = 16
 
 Picture = UInt8[np.ndarray, "height width 3"]
 
@@ -49,23 +47,29 @@ class BlazePoseConfig:
     min_presence: float = 0.5
     """A body below this score is none."""
     min_clarity: float = 0.6
-    """A new body below this clarity is none. Chosen on one half of the operator photos, where whole
-    people reach 0.76 and upper bodies 0.72 in 98 of 100 cases, and the empty rooms 0.57 at most (583
-    false detections that pass ``min_presence``, both halves together)."""
+    """A new body below this clarity, as it is or in the mirror, is none."""
+    max_disagreement: float = 0.12
+    """A new body whose landmarks lie farther than this from their mirror images turned back is none:
+    median, in lengths of the torso."""
     keep_clarity: float = 0.45
     """A body that is followed already is let go below this clarity: blur lowers it for some frames."""
     doubt_frames: int = 3
     """In every so many frames with a clarity between the two, the followed person is detected anew, so
     that a body that went wrong (left and right exchanged, an arm lost) comes right again."""
+    max_doubt_frames: int = 45
+    """After so many such frames in a row nobody is followed any more: a track that slid from a person who
+    left to a chair ends."""
     max_tilt_deg: float = 60.0
     """Bodies tilted more than this in the picture are none: operators stand, cameras roll a little."""
-    tile_shares: tuple[float, ...] = (2 / 3, 1 / 2)
-    """Sides of the search crops as shares of the picture's shorter side: 320 and 240 px of 480."""
+    tile_shares: tuple[float, ...] = TILE_SHARES
+    """Sides of the search crops as shares of the picture's shorter side: 320, 180 and 140 px of 480."""
+    search_runs: int = 2
+    """Crops that the detector looks at in a frame of a stream in which nobody is followed."""
     max_looks: int = 2
-    """How many detections in a frame of a stream the landmark network looks at, surest first; four
-    times as many in a picture that stands for itself."""
+    """How many detections in a frame of a stream the landmark network looks at in vain, surest first;
+    sixteen times as many in a picture that stands for itself."""
     memory_frames: int = 30
-    """For so many frames a lost person is searched where they were last as well."""
+    """For so many frames a lost person is searched where they were last first."""
 
 
 class BlazePose:
@@ -85,36 +89,44 @@ class BlazePose:
         self._landmarker = Landmarker(landmarks, config.threads)
         self._detector = Detector(detector, config.threads, config.min_detection)
         self._max_tilt_rad = math.radians(config.max_tilt_deg)
+        self._search = Search(config.tile_shares, config.search_runs, config.memory_frames)
         self.reset()
 
     def reset(self) -> None:
         """Forget whom it follows."""
         self._region: Region | None = None
-        self._last: Region | None = None
-        self._frames_lost = 0
         self._frames_doubted = 0
+        self._search.reset()
 
     def track(self, rgb: Picture) -> Body | None:
         """Return the body in the next frame of a stream, or ``None`` while nobody is found.
 
-        A frame costs one run of the landmark network while somebody is followed; otherwise two runs of
-        the detector at most, on the full frame and on one crop that changes from frame to frame, and
-        ``max_looks + 1`` runs of the landmark network at most, if somebody seems to be there.
+        A frame costs one run of the landmark network while somebody is followed. Otherwise it costs
+        ``search_runs`` of the detector, on crops that change from frame to frame, and mostly none of the
+        landmark network: one a detection that turns out to be furniture, ``max_looks`` of these at most,
+        and three for a person.
         """
         check_picture(rgb)
         if self._region is not None:
-            if seen := self.follow(rgb, self._region):
-                seen = self._second_look(rgb, seen)
-                self._last = self._region = seen.region
+            if seen := self._followed(rgb, self._region):
+                self._region = seen.region
                 return seen.body
-            self._region, self._frames_lost = None, 0
-        found = self.find(rgb, self._next_regions(rgb))
-        self._frames_lost += 1
+            self._search.found(self._region)
+            self._region = None
+        height, width = rgb.shape[:2]
+        regions = self._search.plan(width, height)
+        found = self.find(rgb, regions, every=True, looks=self.config.max_looks)
         if not found:
             return None
-        self._last = self._region = found[0].region
-        self._frames_lost = 0
+        self._region, self._frames_doubted = found[0].region, 0
         return found[0].body
+
+    def _followed(self, rgb: Picture, region: Region) -> Sighting | None:
+        """Return the followed person, or ``None`` if they are gone or were doubtful for too long."""
+        seen = self.follow(rgb, region)
+        if seen is not None:
+            seen = self._second_look(rgb, seen)
+        return None if self._frames_doubted > self.config.max_doubt_frames else seen
 
     def _second_look(self, rgb: Picture, seen: Sighting) -> Sighting:
         """Detect a doubtful body anew now and then, and return the clearer of both."""
@@ -124,8 +136,11 @@ class BlazePose:
         self._frames_doubted += 1
         if self._frames_doubted % self.config.doubt_frames != 1 % self.config.doubt_frames:
             return seen
-        again = self.find(rgb, [seen.region.wider(_CROP_SCALE)])
-        return again[0] if again and again[0].clarity > seen.clarity else seen
+        again = self.find(rgb, [seen.region.wider(AROUND)])
+        if not again or again[0].clarity <= seen.clarity:
+            return seen
+        self._frames_doubted = 0
+        return again[0]
 
     def detect(self, rgb: Picture) -> Body | None:
         """Return the body in one picture that stands for itself, or ``None``.
@@ -133,25 +148,19 @@ class BlazePose:
         The full frame is searched first, then overlapping crops, the larger ones before the smaller.
         Whom ``track`` follows is not touched.
         """
+        seen = self.sight(rgb)
+        return None if seen is None else seen.body
+
+    def sight(self, rgb: Picture) -> Sighting | None:
+        """Return the body in one picture that stands for itself as ``detect`` does, and its region."""
         check_picture(rgb)
         height, width = rgb.shape[:2]
         rounds = [[Region.whole(width, height)]]
         rounds += [search_tiles(width, height, share) for share in self.config.tile_shares]
         for regions in rounds:
             if found := self.find(rgb, regions, every=True):
-                return found[0].body
+                return found[0]
         return None
-
-    def _next_regions(self, rgb: Picture) -> list[Region]:
-        """Return the full frame and one crop: where the person was last, or the next of all crops."""
-        height, width = rgb.shape[:2]
-        turn = self._frames_lost
-        if self._last is not None and turn < self.config.memory_frames:
-            if turn % 2 == 0:
-                return [Region.whole(width, height), self._last.wider(_CROP_SCALE)]
-            turn //= 2
-        tiles = [tile for share in self.config.tile_shares for tile in search_tiles(width, height, share)]
-        return [Region.whole(width, height), tiles[turn % len(tiles)]]
 
     def find(
         self,
@@ -161,6 +170,7 @@ class BlazePose:
         most: int = 1,
         every: bool = False,
         known: Sequence[Region] = (),
+        looks: int | None = None,
     ) -> list[Sighting]:
         """Look at the surest detections in these regions and return those that are people.
 
@@ -171,12 +181,15 @@ class BlazePose:
             every: Search all regions before looking closer (for a picture that stands for itself),
                 instead of stopping at the first region with a person (for a stream).
             known: Where people are known to be already; detections there are not looked at.
+            looks: Stop after so many detections that were nobody; by default after ``max_looks``, or
+                sixteen times as many with ``every``.
 
         Returns:
             Each person once, surest detection first.
         """
         groups = [list(regions)] if every else [[region] for region in regions]
-        looks = self.config.max_looks * (_PATIENCE if every else 1)
+        if looks is None:
+            looks = self.config.max_looks * (_PATIENCE if every else 1)
         people: list[Sighting] = []
         seen_already = list(known)
         rejected = 0
@@ -208,13 +221,29 @@ class BlazePose:
         return seen if self._holds(seen, self.config.keep_clarity) else None
 
     def look(self, rgb: Picture, region: Region) -> Sighting | None:
-        """Return the person in a detected region, seen twice, or ``None`` if there is none."""
+        """Return the person in a detected region, seen three times, or ``None`` if there is none.
+
+        Furniture mostly costs one run of the landmark network.
+        """
         first = self.follow(rgb, region)
         if first is None:
             return None
         # Seen again in the region of its own landmarks, a person becomes clearer.
         second = self._landmarker(rgb, first.region)
-        return second if self._holds(second, self.config.min_clarity) else None
+        if not self._holds(second, self.config.min_clarity):
+            return None
+        mirrored = self._landmarker(rgb, second.region, mirrored=True)
+        if not self._holds(mirrored, self.config.min_clarity):
+            return None
+        apart = disagreement(second.body, mirrored.body)
+        return second if apart <= self.config.max_disagreement else None
+
+    def silhouette(self, rgb: Picture, region: Region) -> Float[np.ndarray, "height width"]:
+        """Return how surely each pixel belongs to the person in ``region``, 0 to 1.
+
+        One run of the landmark network.
+        """
+        return self._landmarker.silhouette(rgb, region)
 
     def _holds(self, seen: Sighting, clarity: float) -> bool:
         return (
@@ -224,29 +253,14 @@ class BlazePose:
         )
 
 
-def search_tiles(width: int, height: int, share: float) -> list[Region]:
-    """Return square crops that cover the picture and overlap by half, the central one first.
+def disagreement(body: Body, other: Body) -> float:
+    """Return how far apart the landmarks of two looks at one body are.
 
-    Args:
-        width: Of the picture, pixels.
-        height: Of the picture, pixels.
-        share: Side of a crop as a share of the picture's shorter side.
-
-    Example:
-        >>> [(tile.u, tile.v) for tile in search_tiles(640, 480, 2 / 3)][:3]
-        [(320.0, 240.0), (160.0, 160.0), (320.0, 160.0)]
+    Returns:
+        Median distance in lengths of the torso; infinite for a body without a torso.
     """
-    side = float(round(min(width, height) * share))
-    middle = Region(width / 2, height / 2, max(side, _MIN_CROP))
-    if side < _MIN_CROP:
-        return [middle]
-
-    def centers(length: int) -> list[float]:
-        count = 1 + math.ceil(2 * (length - side) / side)
-        return [float(center) for center in np.linspace(side / 2, length - side / 2, count)]
-
-    grid = [Region(u, v, side) for v in centers(height) for u in centers(width)]
-    return [middle, *(tile for tile in grid if (tile.u, tile.v) != (middle.u, middle.v))]
+    apart_px = float(np.median(np.linalg.norm(body.points_px - other.points_px, axis=1)))
+    return apart_px / body.torso_px if body.torso_px > 0.0 else math.inf
 
 
 def check_picture(rgb: object) -> None:

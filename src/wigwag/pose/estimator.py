@@ -12,11 +12,7 @@ from wigwag.camera.frame import Frame
 from wigwag.errors import InputError
 from wigwag.pose.blazepose import BlazePose, BlazePoseConfig
 from wigwag.pose.body import Body
-<<<<<<< HEAD
-from wigwag.pose.engine import PoseEngine
-=======
 from wigwag.pose.engagement import EngagementConfig
->>>>>>> operator
 from wigwag.pose.lift import LiftConfig, Lifter
 from wigwag.pose.operator import OperatorConfig, OperatorKeeper
 from wigwag.pose.people import People, PeopleConfig, Track
@@ -53,8 +49,6 @@ class PoseConfig:
     """How far a landmark that is not seen moves towards each new guess."""
 
 
-<<<<<<< HEAD
-=======
 @dataclass(frozen=True, slots=True)
 class Person:
     """Somebody in the picture, as the estimator sees them; for display and for judging."""
@@ -76,7 +70,6 @@ class Person:
     """How much of the time that disengaging takes both hands have been held up, 0 to 1."""
 
 
->>>>>>> operator
 class PoseEstimator:
     """Turns each frame of a stream into the pose of the operator: of them alone, and only when that is sure.
 
@@ -86,25 +79,17 @@ class PoseEstimator:
 
     Args:
         config: Options; the defaults suit an RGB-D camera on a drone, 2 to 8 m from the person.
-<<<<<<< HEAD
-        tracker: What finds the body; BlazePose on LiteRT by default. See ``wigwag.pose.engine.open_engine``.
-=======
         tracker: What finds bodies; BlazePose by default. One that finds several people (``PeopleFinder``) is
-            asked for them; one that only follows a single body (``BodyTracker``) is taken by its word, and
-            made to search anew when that body is not the operator's.
->>>>>>> operator
+            asked for them; one that only follows a single body (any ``wigwag.pose.engine.PoseEngine``) is
+            taken by its word, and made to search anew when that body is not the operator's.
 
     Raises:
         ModelError: If a network file is missing and cannot be fetched, or is damaged.
     """
 
-<<<<<<< HEAD
-    def __init__(self, config: PoseConfig | None = None, tracker: PoseEngine | None = None) -> None:
-=======
     def __init__(
         self, config: PoseConfig | None = None, tracker: PeopleFinder | BodyTracker | None = None
     ) -> None:
->>>>>>> operator
         self.config = config = config or PoseConfig()
         self._lifter = Lifter(config.lift)
         self._people = People(config.people, config.engagement, config.sides)

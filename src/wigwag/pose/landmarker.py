@@ -10,13 +10,15 @@ import cv2
 import numpy as np
 from jaxtyping import Float, UInt8
 
-from wigwag.pose.body import N_POINTS, Body
+from wigwag.pose.body import N_POINTS, Body, Point
 from wigwag.pose.network import PictureNetwork
 from wigwag.pose.region import Region
+from wigwag.pose.sides import other_side
 from wigwag.skeleton import from_blazepose33
 
 _N_ALL = 39  # 33 landmarks, two alignment points for the next region, four that nobody uses
 _LANDMARKS, _WORLD, _SCORE, _HEAT = (1, _N_ALL * 5), (1, _N_ALL * 3), (1, 1), (1, 64, 64, _N_ALL)
+_MIRRORED = np.array([*(other_side(point) for point in Point), *range(N_POINTS, _N_ALL)])
 _MIN_INSIDE = 5  # landmarks: head, shoulders and elbows are the least that is a person
 _REACH = 3  # of the 7 x 7 window in which a landmark is refined
 
@@ -52,15 +54,30 @@ class Landmarker:
         self._network = PictureNetwork(
             path, threads, low=0.0, high=1.0, border=cv2.BORDER_REPLICATE, outputs=outputs
         )
+        self._path, self._threads = path, threads
+        self._whole: PictureNetwork | None = None
 
-    def __call__(self, rgb: UInt8[np.ndarray, "height width 3"], region: Region) -> Sighting:
-        """Return the landmarks in ``region``, whether or not a person is there: see ``body.clarity``."""
-        self._network.run(rgb, region)
+    def __call__(
+        self, rgb: UInt8[np.ndarray, "height width 3"], region: Region, *, mirrored: bool = False
+    ) -> Sighting:
+        """Return the landmarks in ``region``, whether or not a person is there: see ``body.clarity``.
+
+        Args:
+            rgb: The picture.
+            region: Where to look.
+            mirrored: Show the network the mirror image. What is returned is turned back: it differs from
+                the other look by what the network is unsure of.
+        """
+        self._network.run(rgb, region, mirrored=mirrored)
         raw = self._network.output(*_LANDMARKS)[0].reshape(_N_ALL, 5).astype(np.float64)
         heat = self._network.output(*_HEAT)[0]
         points, peaks = refine(raw[:, :2] / self._network.pixels, heat)
-        placed = region.to_picture(points)
         world = self._network.output(*_WORLD)[0].reshape(_N_ALL, 3)[:N_POINTS].astype(np.float64)
+        if mirrored:
+            points = points[_MIRRORED] * (-1.0, 1.0) + (1.0, 0.0)
+            world = world[_MIRRORED[:N_POINTS]] * (-1.0, 1.0, 1.0)
+            raw, peaks = raw[_MIRRORED], peaks[_MIRRORED]
+        placed = region.to_picture(points)
         c, s = math.cos(region.angle_rad), math.sin(region.angle_rad)
         world[:, :2] = world[:, :2] @ np.array([[c, s], [-s, c]])
         body = Body(
@@ -71,6 +88,18 @@ class Landmarker:
             clarity=clarity(placed[:N_POINTS], peaks[:N_POINTS], rgb.shape[1], rgb.shape[0]),
         )
         return Sighting(body, Region.around(placed[N_POINTS], placed[N_POINTS + 1]))
+
+    def silhouette(
+        self, rgb: UInt8[np.ndarray, "height width 3"], region: Region
+    ) -> Float[np.ndarray, "height width"]:
+        """Return how surely each pixel of the picture belongs to the person in ``region``, 0 to 1."""
+        if self._whole is None:
+            self._whole = PictureNetwork(self._path, self._threads, 0.0, 1.0, cv2.BORDER_REPLICATE)
+        whole = self._whole
+        whole.run(rgb, region)
+        mask = sigmoid(whole.output(1, whole.pixels, whole.pixels, 1)[0, :, :, 0])
+        size = (rgb.shape[1], rgb.shape[0])
+        return np.asarray(cv2.warpAffine(mask, region.matrix(whole.pixels), size))
 
 
 def clarity(

@@ -70,11 +70,17 @@ class PictureNetwork:
         self._path, self._border, self._low, self._gain = path, border, low, (high - low) / 255.0
         self._crop = np.empty((self.pixels, self.pixels, 3), np.uint8)
 
-    def run(self, rgb: UInt8[np.ndarray, "height width 3"], region: Region) -> None:
-        """Cut ``region`` out of the picture and run the network on it."""
+    def run(
+        self, rgb: UInt8[np.ndarray, "height width 3"], region: Region, *, mirrored: bool = False
+    ) -> None:
+        """Cut ``region`` out of the picture, left and right exchanged if so wished, and run the network."""
+        matrix = region.matrix(self.pixels)
+        if mirrored:
+            matrix[:, 2] += (self.pixels - 1) * matrix[:, 0]
+            matrix[:, 0] *= -1.0
         cv2.warpAffine(
             rgb,
-            region.matrix(self.pixels),
+            matrix,
             (self.pixels, self.pixels),
             dst=self._crop,
             flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
 
@@ -11,20 +11,17 @@ from jaxtyping import UInt8
 
 from wigwag.camera.frame import Frame
 from wigwag.pose.appearance import appearance_of
-from wigwag.pose.blazepose import search_tiles
 from wigwag.pose.body import Body
 from wigwag.pose.landmarker import Sighting
 from wigwag.pose.operator import Claim, OperatorKeeper
 from wigwag.pose.people import People, Seen, Track
 from wigwag.pose.region import Region
+from wigwag.pose.search import AROUND, Search
 from wigwag.skeleton import Pose
 
 Picture = UInt8[np.ndarray, "height width 3"]
 Lift = Callable[[Body, Frame], Pose | None]
 """Turns a body into a pose, or into ``None`` where its depth cannot be told."""
-
-_WIDER = 1.5
-"""Where somebody was, the detector looks at a square that is wider than their region by this."""
 
 
 @runtime_checkable
@@ -98,6 +95,7 @@ class Watcher:
 
     def reset(self) -> None:
         """Begin another stream."""
+        self._plan = Search(runs=1)
         self._frame_count = self._search_count = self._strangers = self._doubted = 0
         self.unplaced: Body | None = None
         """Seen in the frame in hand, but depth does not tell where they are."""
@@ -167,30 +165,30 @@ class Watcher:
 
     def _second_look(self, frame: Frame, eyes: PeopleFinder, sighting: Sighting) -> Sighting:
         """Detect a doubtful body anew now and then, so that one that went wrong comes right again."""
-        if sighting.body.clarity >= self.config.doubtful:
+        if sighting.clarity >= self.config.doubtful:
             self._doubted = 0
             return sighting
         self._doubted += 1
         if self._doubted % 3 != 1:
             return sighting
-        found = eyes.find(frame.rgb, [sighting.region.wider(_WIDER)])
-        better = found and found[0].body.clarity > sighting.body.clarity
+        found = eyes.find(frame.rgb, [sighting.region.wider(AROUND)])
+        better = found and found[0].clarity > sighting.clarity
         return found[0] if better else sighting
 
     def _search(self, frame: Frame, eyes: PeopleFinder, missing: Track | None) -> None:
-        """Search one region: around a missing operator in every other frame, else the next of all."""
+        """Search around a missing operator in every other frame, else the next of all crops."""
         now, people = frame.stamp_ns, self._people
         self._search_count += 1
         known = [track.seen.region for track in people.tracks if track.body is not None]
         if missing is not None and self._search_count % 2:
-            where = self._keeper.region(now, frame.intrinsics).wider(_WIDER)
+            where = [self._keeper.region(now, frame.intrinsics).wider(AROUND)]
         else:
             height, width = frame.rgb.shape[:2]
-            everywhere = search_regions(width, height)
-            turn = self._search_count // 2 if missing is not None else self._search_count
-            where = everywhere[turn % len(everywhere)]
+            where = self._plan.plan(width, height)
+            if not people.tracks:  # nobody costs anything yet
+                where += self._plan.plan(width, height)
         most = 2 if missing is not None else 1
-        for sighting in eyes.find(frame.rgb, [where], most=most, known=known):
+        for sighting in eyes.find(frame.rgb, where, most=most, known=known):
             self._take(sighting, frame)
 
     def _take(self, sighting: Sighting, frame: Frame) -> Track | None:
@@ -238,16 +236,4 @@ class Watcher:
         track.seen = replace(seen, body=track.body)
 
 
-def search_regions(width: int, height: int) -> list[Region]:
-    """Return where newcomers are searched, in turn: the full frame between every two crops."""
-    tiles = [tile for share in (2 / 3, 1 / 2) for tile in search_tiles(width, height, share)]
-    whole = Region.whole(width, height)
-    return [region for tile in tiles for region in _pair(whole, tile)]
-
-
-def _pair(one: Region, other: Region) -> Iterator[Region]:
-    yield one
-    yield other
-
-
-__all__ = ["BodyTracker", "Lift", "PeopleFinder", "WatchConfig", "Watcher", "search_regions"]
+__all__ = ["BodyTracker", "Lift", "PeopleFinder", "WatchConfig", "Watcher"]
