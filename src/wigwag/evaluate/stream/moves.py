@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from jaxtyping import Float
 from scipy.interpolate import CubicSpline, PchipInterpolator
@@ -48,6 +50,18 @@ def movement(clip: Clip) -> tuple[float, float]:
     return float(times[runs[0][0]]), float(times[runs[-1][1]])
 
 
+def cut_to_movement(clip: Clip, margin_s: float = 0.05) -> Clip:
+    """Return a recording without the rest before and after its movement.
+
+    Raises:
+        InputError: If nobody moves in it.
+    """
+    onset_s, end_s = movement(clip)
+    inside = (clip.times_s >= onset_s - margin_s) & (clip.times_s <= end_s + margin_s)
+    stamps = clip.stamps_ns[inside]
+    return replace(clip, joints=clip.joints[inside], stamps_ns=stamps - stamps[0])
+
+
 def resampled(clip: Clip, times_s: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 13 3"]:
     """Return a clip's joints at other times by a cubic spline; without overshoot where time is irregular.
 
@@ -74,4 +88,6 @@ def _runs(active: np.ndarray, gap: int) -> list[tuple[int, int]]:
     return runs
 
 
-__all__ = ["LULL_S", "MOVING_M_S", "MOVING_SHARE", "STRAY_SHARE", "movement", "resampled"]
+__all__ = [
+    "LULL_S", "MOVING_M_S", "MOVING_SHARE", "STRAY_SHARE", "cut_to_movement", "movement", "resampled",
+]  # fmt: skip

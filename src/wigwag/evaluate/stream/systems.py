@@ -10,11 +10,14 @@ import numpy as np
 
 from wigwag.errors import InputError
 from wigwag.evaluate.stream.material import Lesson
+from wigwag.evaluate.stream.moves import cut_to_movement
 from wigwag.gesture import Gesture
 from wigwag.recognise import KernelRecognizer
 from wigwag.skeleton import Clip, Pose
+from wigwag.stream.gesture_stream import StreamConfig
 from wigwag.stream.segment import Segment
 from wigwag.stream.spot import SpotConfig, Spotter, background
+from wigwag.stream.teach import LabelledStream, Showing, teach_stream
 
 REFUSED_PER_STREAM = 150
 """The spotter's wrong proposals that are taught as background, a training stream, as the demo does."""
@@ -75,12 +78,30 @@ def teach_spotter(lesson: Lesson) -> Listener:
     return Only(lambda: Spotter(recogniser, config), lesson.vocabulary)
 
 
+def teach_gesture_stream(lesson: Lesson) -> Listener:
+    """Teach a :class:`~wigwag.stream.gesture_stream.GestureStream` with its defaults.
+
+    Recordings are cut to their movement; further gestures are known by name and kept silent.
+    """
+    clips = [cut_to_movement(clip) for clip in (*lesson.gestures, *lesson.others)]
+    streams = [
+        LabelledStream(r.stream, tuple(Showing(m.label, m.onset_ns, m.end_ns) for m in r.marks))
+        for r in lesson.streams
+    ]
+    background = [_movable(clip) for clip in lesson.background]
+    config = StreamConfig(commands=lesson.vocabulary)
+    return teach_stream(clips, background, streams, config, random_state=lesson.seed).stream()
+
+
 def _movable(clip: Clip) -> Clip:
     """Return a clip whose stamps start at 0."""
     return replace(clip, stamps_ns=clip.stamps_ns - clip.stamps_ns[0])
 
 
-SYSTEMS: dict[str, Callable[[Lesson], Listener]] = {"spotter": teach_spotter}
+SYSTEMS: dict[str, Callable[[Lesson], Listener]] = {
+    "stream": teach_gesture_stream,
+    "spotter": teach_spotter,
+}
 """Every system by its name: from a lesson to a listener."""
 
 
@@ -95,4 +116,4 @@ def system_of(name: str) -> Callable[[Lesson], Listener]:
     return SYSTEMS[name]
 
 
-__all__ = ["SYSTEMS", "Listener", "Only", "system_of", "teach_spotter"]
+__all__ = ["SYSTEMS", "Listener", "Only", "system_of", "teach_gesture_stream", "teach_spotter"]
