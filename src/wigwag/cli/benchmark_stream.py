@@ -9,7 +9,12 @@ from typing import TYPE_CHECKING, Any, Literal
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from wigwag.evaluate.stream.run import Shows
+
+Data = Literal[
+    "utd-mhad", "own", "own+others", "msrc12", "utkinect", "precog", "msrc12-negative", "simulated", "all"
+]
+
+Fault = Literal["missing", "jitter", "gap", "swapped", "stranger", "nan", "all"]
 
 
 @dataclass(frozen=True)
@@ -18,8 +23,10 @@ class StreamBenchmark:
 
     data_dir: Path
     """Folder with utd_mhad, and utkinect, precog and msrc12 as far as you have them."""
-    data: Literal["utd-mhad", "utkinect", "precog", "msrc12-negative", "all"] = "all"
-    """utd-mhad: streams assembled of its people; the others: movements that are no command."""
+    data: tuple[Data, ...] = ("all",)
+    """utd-mhad: streams assembled of people never met. own: of people who enrolled one example of each
+    gesture; own+others: beside what others taught. msrc12: its 12 gestures. utkinect, precog,
+    msrc12-negative, simulated: only movements that are no command."""
     vocabulary: tuple[Literal["6", "7", "27"], ...] = ("6",)
     """Which of UTD-MHAD's classes are commands."""
     system: tuple[str, ...] = ("spotter",)
@@ -30,6 +37,8 @@ class StreamBenchmark:
     """How often every judged recording is shown, each time in another order and between other movements."""
     rate_hz: float = 30.0
     """Poses a second, 10 to 60."""
+    corrupt: tuple[Fault, ...] = ()
+    """Faults with which everything is shown once more."""
     seed: int = 0
     """Of orders and rests."""
     json: Path | None = None
@@ -39,8 +48,10 @@ class StreamBenchmark:
         """Run everything asked for; print the table, write the records."""
         from wigwag.cli.benchmark_text import bar_of_steps, wide_console
         from wigwag.evaluate.records import Records, command_line
+        from wigwag.evaluate.stream.corrupt import CORRUPTIONS
         from wigwag.evaluate.stream.material import read_material
-        from wigwag.evaluate.stream.run import StreamBenchmarkConfig, run_system
+        from wigwag.evaluate.stream.plan import SHOWS, StreamBenchmarkConfig
+        from wigwag.evaluate.stream.run import run_system
         from wigwag.evaluate.stream.systems import system_of
 
         for system in self.system:
@@ -49,13 +60,17 @@ class StreamBenchmark:
         records = Records(self.json, command_line("wigwag benchmark stream", self), self.seed)
         with console.status("Reading"):
             material = read_material(self.data_dir)
-        shows: list[Shows] = (
-            ["utd-mhad", "utkinect", "precog", "msrc12-negative"] if self.data == "all" else [self.data]
-        )
+        shows = [show for show in SHOWS if show in self.data or "all" in self.data]
+        faults = tuple(kind for kind in CORRUPTIONS if kind in self.corrupt or "all" in self.corrupt)
         with bar_of_steps(console) as bar:
             for vocabulary in self.vocabulary:
                 config = StreamBenchmarkConfig(
-                    vocabulary, self.inner, self.rounds, rate_hz=self.rate_hz, seed=self.seed
+                    vocabulary,
+                    self.inner,
+                    self.rounds,
+                    rate_hz=self.rate_hz,
+                    corrupt=faults,
+                    seed=self.seed,
                 )
                 for system in self.system:
                     title = f"{system}, {vocabulary} classes"
@@ -96,7 +111,7 @@ def _table(rows: list[dict[str, Any]]) -> Table:
         low, high = row["false_commands_ci95"]
         table.add_row(
             row["system"],
-            row["data"],
+            row["data"] + (f", {row['corrupt']}" if row["corrupt"] else ""),
             row["vocabulary"],
             f"{row['hours']:.2f}",
             str(row["events"]),

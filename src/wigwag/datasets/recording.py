@@ -22,6 +22,8 @@ class Mark:
     """When it begins, in the stream's own time."""
     end_ns: int
     """When it ends; the same as ``onset_ns`` for an action point, which is a moment."""
+    point_ns: int | None = None
+    """The moment at which it is clear what is shown, where somebody marked it."""
 
     def __post_init__(self) -> None:
         """Check the order."""

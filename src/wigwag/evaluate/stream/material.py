@@ -1,4 +1,4 @@
-"""Who is taught, who is judged, and what stands between their gestures: nobody is on both sides."""
+"""What was recorded: gestures, and everyday life to stand between them."""
 
 from __future__ import annotations
 
@@ -11,15 +11,14 @@ import numpy as np
 
 from wigwag.datasets import msrc12, precog, utd_mhad, utkinect
 from wigwag.datasets.recording import Mark, Recording
-from wigwag.errors import DataError, InputError
-from wigwag.evaluate.protocols import CLASS_SETS, TRAIN_SUBJECTS
-from wigwag.evaluate.stream.assembly import Body, Shown, StreamConfig, assemble
+from wigwag.evaluate.stream.assembly import Shown
 from wigwag.skeleton import Clip
 
 TWINS: dict[str, str] = {
     "utkinect:walk": "a23", "utkinect:sitDown": "a25", "utkinect:standUp": "a24", "utkinect:throw": "a5",
     "utkinect:push": "a18", "utkinect:waveHands": "a3", "utkinect:clapHands": "a4", "precog": "a13",
-    "msrc12:g2": "a27", "msrc12:g8": "a5",
+    "msrc12:g2": "a27", "msrc12:g8": "a5", "simulated:wave": "a3", "simulated:clap": "a4",
+    "simulated:throw": "a5", "simulated:arms_crossed": "a6",
 }  # fmt: skip
 """Everyday movements that are the same movement as one of UTD-MHAD's gestures. A command of that name is
 neither right nor false while they are shown; it is counted apart. PRECOG punches as a13 does; g2 ducks as
@@ -90,118 +89,6 @@ def taught(person: str) -> bool:
     return (number % 2 == 0) == person.startswith("msrc12")
 
 
-@dataclass(frozen=True, slots=True)
-class Fold:
-    """One way of parting people into those who are taught and those who are judged."""
-
-    name: str
-    taught: tuple[str, ...]
-    """People of UTD-MHAD."""
-    judged: tuple[str, ...]
-    everyday_taught: tuple[str, ...]
-    """People of the everyday sets."""
-    everyday_judged: tuple[str, ...]
-
-
-def folds(material: Material, inner: bool) -> list[Fold]:
-    """Return the one split of the benchmark, or with ``inner`` those within its training people.
-
-    The benchmark's: UTD-MHAD's subjects 1, 3, 5, 7 teach and 2, 4, 6, 8 are judged; everyday people as
-    :func:`taught` says. Inner: each of 1, 3, 5, 7 is judged by the other three, and of the everyday people
-    who may be taught every second one teaches while the others are judged, in turn.
-    """
-    clips = [s.clip for s in material.everyday] + [r.stream for rs in material.streams.values() for r in rs]
-    everyday = sorted({str(clip.subject) for clip in clips})
-    teachers = [person for person in everyday if taught(person)]
-    others = tuple(person for person in everyday if not taught(person))
-    if not inner:
-        rest = tuple(s for s in utd_mhad.SUBJECTS if s not in TRAIN_SUBJECTS)
-        return [Fold("test", TRAIN_SUBJECTS, rest, tuple(teachers), others)]
-    split = []
-    for number, person in enumerate(TRAIN_SUBJECTS):
-        judged = tuple(p for i, p in enumerate(teachers) if i % 2 == number % 2)
-        left = tuple(p for p in teachers if p not in judged)
-        split.append(
-            Fold(f"inner {person}", tuple(s for s in TRAIN_SUBJECTS if s != person), (person,), left, judged)
-        )
-    return split
-
-
-@dataclass(frozen=True, slots=True)
-class Lesson:
-    """What a system is taught by."""
-
-    gestures: list[Clip]
-    """Recordings of the vocabulary, labelled, as they were recorded (with the rest at their ends)."""
-    others: list[Clip] = field(default_factory=list)
-    """Recordings of further gestures of the same people, labelled, which are no command."""
-    background: list[Clip] = field(default_factory=list)
-    """Everyday movements without a label, 1 to 10 s each."""
-    streams: list[Recording] = field(default_factory=list)
-    """Streams assembled of the above, with their truth; or recorded ones with action points."""
-    seed: int = 0
-
-    @property
-    def vocabulary(self) -> tuple[str, ...]:
-        """The labels that are commands."""
-        return tuple(sorted({str(clip.label) for clip in self.gestures}))
-
-
-def classes_of(vocabulary: str) -> tuple[str, ...]:
-    """Return UTD-MHAD's labels in a vocabulary.
-
-    Raises:
-        InputError: If there is no such vocabulary.
-    """
-    if vocabulary not in CLASS_SETS:
-        raise InputError(f"--vocabulary must be one of {', '.join(CLASS_SETS)}, but got {vocabulary!r}.")
-    return CLASS_SETS[vocabulary]
-
-
-def lesson(
-    material: Material,
-    fold: Fold,
-    classes: Sequence[str],
-    *,
-    seed: int = 0,
-    rounds: int = 1,
-    rate_hz: float = 30.0,
-) -> Lesson:
-    """Return what a fold's training people teach.
-
-    Args:
-        material: What was read.
-        fold: Who.
-        classes: The vocabulary.
-        seed: Of the assembled streams.
-        rounds: How many streams a training person has.
-        rate_hz: Of the streams.
-    """
-    mine = [clip for clip in material.utd if clip.subject in fold.taught]
-    everyday = [s for s in shown_between(material, classes) if s.clip.subject in fold.everyday_taught]
-    background = [s.clip for s in everyday if TWINS.get(s.source) not in classes]
-    streams = []
-    for turn in range(rounds):
-        for person in fold.taught:
-            streams.append(
-                person_stream(
-                    material,
-                    person,
-                    classes,
-                    everyday,
-                    [0x7A, seed, turn],
-                    config=StreamConfig(rate_hz=rate_hz),
-                )
-            )
-    return Lesson(
-        [clip for clip in mine if clip.label in classes],
-        [clip for clip in mine if clip.label not in classes],
-        background,
-        streams,
-        seed,
-    )
-
-
 def shown_between(material: Material, classes: Sequence[str]) -> list[Shown]:
     """Return everyday movements that may be shown between gestures of a vocabulary."""
     seat = {"a24", "a25"} & set(classes)
@@ -211,61 +98,6 @@ def shown_between(material: Material, classes: Sequence[str]) -> list[Shown]:
         if not twin and not (seat and shown.source in SEATED):
             kept.append(shown)
     return kept
-
-
-def person_stream(
-    material: Material,
-    person: str,
-    classes: Sequence[str],
-    everyday: Sequence[Shown],
-    seed: Sequence[int],
-    *,
-    config: StreamConfig | None = None,
-    only: Sequence[Clip] | None = None,
-) -> Recording:
-    """Assemble one stream of one of UTD-MHAD's people: every recording of the vocabulary once.
-
-    Between gestures come everyday movements drawn from ``everyday`` and from the person's own jogging and
-    walking, unless those are in the vocabulary.
-
-    Args:
-        material: What was read.
-        person: ``"s1"`` to ``"s8"``.
-        classes: The vocabulary.
-        everyday: Of whom everyday movements are taken.
-        seed: Of order and choice.
-        config: How the stream is put together.
-        only: Show these recordings of the person alone; ``None``: all of the vocabulary.
-
-    Raises:
-        DataError: If the person has no recordings.
-    """
-    mine = [clip for clip in material.utd if clip.subject == person]
-    shown = [c for c in mine if c.label in classes] if only is None else list(only)
-    if not shown:
-        raise DataError(f"There is no recording of {', '.join(classes)} by {person}.")
-    own = [Shown(c, f"utd:{c.label}") for c in mine if c.label in ("a22", "a23") and c.label not in classes]
-    rng = np.random.default_rng([*seed, int(person[1:])])
-    groups = _groups(shown)
-    pool = [*everyday, *own]
-    between = [pool[int(i)] for i in rng.permutation(len(pool))]
-    while pool and len(between) < len(groups):
-        between += [pool[int(i)] for i in rng.permutation(len(pool))]
-    body = Body.of(mine, utd_mhad.RATE_HZ)
-    name = f"stream of {person}, {' '.join(map(str, seed))}"
-    return assemble(body, groups, between, config, seed=[*seed, int(person[1:])], name=name)
-
-
-def _groups(clips: Sequence[Clip]) -> list[list[Shown]]:
-    """Sit down before standing up where both are shown; everything else by itself."""
-    shown = {clip.name: Shown(clip, f"utd:{clip.label}", clip.label) for clip in clips}
-    groups = []
-    for clip in clips:
-        if clip.label == "a25" and (up := clip.name.replace("a25", "a24")) in shown:
-            groups.append([shown[clip.name], shown[up]])
-        elif not (clip.label == "a24" and clip.name.replace("a24", "a25") in shown):
-            groups.append([shown[clip.name]])
-    return groups
 
 
 def _actions(recordings: Sequence[Recording]) -> list[Shown]:
@@ -304,6 +136,12 @@ def _whole(clip: Clip, source: str) -> Mark:
 
 
 __all__ = [
-    "TWINS", "Fold", "Lesson", "Material", "classes_of", "folds", "lesson", "person_stream", "read_material",
-    "shown_between", "taught",
-]  # fmt: skip
+    "LONGEST_HOLE_S",
+    "PIECE_S",
+    "SEATED",
+    "TWINS",
+    "Material",
+    "read_material",
+    "shown_between",
+    "taught",
+]

@@ -1,139 +1,111 @@
-"""The benchmark's rows: which system is taught by whom, and what it is shown."""
+"""A system is taught and watches everything; what came of it becomes the benchmark's records."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any, Literal
+from collections.abc import Callable, Sequence
+from typing import Any
 
-from wigwag.datasets.recording import Recording
-from wigwag.errors import DataError, InputError
-from wigwag.evaluate.stream.assembly import StreamConfig
-from wigwag.evaluate.stream.material import (
-    Fold,
-    Lesson,
-    Material,
-    classes_of,
-    folds,
-    lesson,
-    person_stream,
-    shown_between,
-)
-from wigwag.evaluate.stream.systems import Listener, system_of
+from wigwag.errors import DataError
+from wigwag.evaluate.stream.corrupt import corrupted
+from wigwag.evaluate.stream.material import Material, taught
+from wigwag.evaluate.stream.plan import NEGATIVES, Show, StreamBenchmarkConfig, parts_of
+from wigwag.evaluate.stream.systems import system_of
 from wigwag.evaluate.stream.watch import Session, figures, watch
 from wigwag.evaluate.threads import one_thread
-
-Shows = Literal["utd-mhad", "utkinect", "precog", "msrc12-negative"]
-"""What a taught system is shown: streams of UTD-MHAD's people, or only movements that are no command."""
 
 Progress = Callable[[str, int, int], None]
 """Called with (what, done, total)."""
 
-
-@dataclass(frozen=True, slots=True)
-class StreamBenchmarkConfig:
-    """One run.
-
-    Raises:
-        InputError: If a number is out of range.
-    """
-
-    vocabulary: str = "6"
-    """UTD-MHAD's classes that are commands: ``"6"``, ``"7"`` or ``"27"``."""
-    inner: bool = False
-    """Within the training people, one left out in turn; else the benchmark's own split."""
-    rounds: int = 8
-    """How often every judged recording is shown, each time in another order and between other movements."""
-    lesson_rounds: int = 2
-    """How many streams each training person has."""
-    rate_hz: float = 30.0
-    """Poses a second of the judged streams; the taught ones have 30."""
-    seed: int = 0
-
-    def __post_init__(self) -> None:
-        """Check the numbers."""
-        if self.rounds < 1 or self.lesson_rounds < 0:
-            raise InputError(
-                f"--rounds must be 1 or more and --lesson-rounds 0 or more, but got {self.rounds} and "
-                f"{self.lesson_rounds}."
-            )
+Seen = dict[tuple[str, str], list[Session]]
+"""Sessions by what was shown and with which fault (``""``: none)."""
 
 
 def run_system(
     material: Material,
     system: str,
-    shows: Sequence[Shows],
+    shows: Sequence[Show],
     config: StreamBenchmarkConfig,
     progress: Progress | None = None,
-) -> Iterator[dict[str, Any]]:
+) -> list[dict[str, Any]]:
     """Teach a system once for each fold and let it watch everything asked for.
 
     Args:
         material: What was read.
         system: One of :data:`~wigwag.evaluate.stream.systems.SYSTEMS`.
         shows: What is shown.
-        config: Vocabulary, people, hours.
+        config: Vocabulary, people, hours, faults.
         progress: Called before each teaching and each stream.
 
-    Yields:
-        A record for each entry of ``shows``, over all folds together.
+    Returns:
+        A record for each entry of ``shows`` and each fault, over all folds together; all negatives together
+        where there are several; of MSRC-12, those people again by whom no setting may have been chosen.
 
     Raises:
         DataError: If what is to be shown was not read.
         InputError: If there is no such system or vocabulary.
     """
-    classes, teach = classes_of(config.vocabulary), system_of(system)
-    sessions: dict[str, list[Session]] = {show: [] for show in shows}
-    parts = folds(material, config.inner)
+    teach = system_of(system)
+    seen: Seen = {}
+    parts = list(parts_of(material, shows, config))
     with one_thread():
-        for number, fold in enumerate(parts):
+        for number, part in enumerate(parts):
             if progress is not None:
-                progress(f"teaching, {fold.name}", number, len(parts))
-            taught = _lesson(material, fold, classes, config)
-            listener = teach(taught)
-            for show in shows:
-                recordings = list(_shown(material, show, fold, classes, config))
+                progress(f"teaching, {part.name}", number, len(parts))
+            listener = teach(part.lesson())
+            for show, shown in part.shows.items():
+                recordings = list(shown())
                 for done, recording in enumerate(recordings):
                     if progress is not None:
-                        progress(f"{show}, {fold.name}", done, len(recordings))
-                    sessions[show].append(watch(listener, recording))
-    for show in shows:
-        if not sessions[show]:
-            raise DataError(f"{show}: nothing was read that could be shown; look at --data-dir.")
-        repeats = config.rounds if show == "utd-mhad" else 1
-        yield {
-            "data": show,
-            "vocabulary": config.vocabulary,
-            "system": system,
-            "protocol": "inner" if config.inner else "test",
-            "rate_hz": config.rate_hz,
-            "judged": _people(sessions[show]),
-            "folds": len(parts),
-            "rounds": repeats,
-        } | figures(sessions[show], repeats)
+                        progress(f"{show}, {part.name}", done, len(recordings))
+                    seen.setdefault((show, ""), []).append(watch(listener, recording))
+                    for kind in config.corrupt:
+                        poses = corrupted(recording, kind, [config.seed, done])
+                        session = watch(listener, recording, poses, tolerant=True)
+                        seen.setdefault((show, kind), []).append(session)
+    if missing := [show for show in shows if (show, "") not in seen]:
+        raise DataError(f"{', '.join(missing)}: nothing was read that could be shown; look at --data-dir.")
+    _add_sums(seen, shows)
+    return [_record(seen, show, kind, system, config) for show, kind in seen]
 
 
-def _lesson(material: Material, fold: Fold, classes: Sequence[str], config: StreamBenchmarkConfig) -> Lesson:
-    return lesson(material, fold, classes, seed=config.seed, rounds=config.lesson_rounds)
+def _add_sums(seen: Seen, shows: Sequence[Show]) -> None:
+    negatives = [show for show in shows if show in NEGATIVES]
+    for kind in dict.fromkeys(kind for _, kind in seen):
+        if len(negatives) > 1:
+            seen["negatives", kind] = [session for show in negatives for session in seen[show, kind]]
+        unseen = [s for s in seen.get(("msrc12", kind), []) if not taught(_person(s))]
+        if unseen:
+            seen["msrc12, judged only", kind] = unseen
 
 
-def _shown(
-    material: Material, show: str, fold: Fold, classes: Sequence[str], config: StreamBenchmarkConfig
-) -> Iterator[Recording]:
-    if show != "utd-mhad":
-        for recording in material.streams.get(show.removesuffix("-negative"), []):
-            if recording.stream.subject in fold.everyday_judged:
-                yield recording
-        return
-    everyday = [s for s in shown_between(material, classes) if s.clip.subject in fold.everyday_judged]
-    stream = StreamConfig(rate_hz=config.rate_hz)
-    for turn in range(config.rounds):
-        for person in fold.judged:
-            yield person_stream(material, person, classes, everyday, [0x1D, config.seed, turn], config=stream)
+def _record(seen: Seen, show: str, kind: str, system: str, config: StreamBenchmarkConfig) -> dict[str, Any]:
+    sessions = seen[show, kind]
+    points = show in ("msrc12", "msrc12, judged only")
+    names = [session.recording.stream.name.partition(", ")[0] for session in sessions]
+    repeats = len(names) / len(set(names))
+    people = sorted({_person(session) for session in sessions})
+    record: dict[str, Any] = {
+        "data": show,
+        "vocabulary": "msrc12" if points else config.vocabulary,
+        "system": system,
+        "protocol": "inner" if config.inner else "test",
+        "corrupt": kind or None,
+        "rate_hz": config.rate_hz,
+        "lesson_rounds": config.lesson_rounds,
+        "repeats": repeats,
+        "judged": " ".join(people[:12]) + (f" and {len(people) - 12} more" if len(people) > 12 else ""),
+    } | figures(sessions, repeats, points)
+    if kind:
+        score = "action_point_f1" if points else "event_f1"
+        clean = figures(seen[show, ""], repeats, points)
+        record["exceptions"] = sum(session.exceptions for session in sessions)
+        record["f1_lost"] = None if record[score] is None else clean[score] - record[score]
+        record["false_commands_more"] = record["false_commands"] - clean["false_commands"]
+    return record
 
 
-def _people(sessions: Sequence[Session]) -> str:
-    return " ".join(sorted({str(session.recording.stream.subject) for session in sessions}))
+def _person(session: Session) -> str:
+    return str(session.recording.stream.subject)
 
 
-__all__ = ["Listener", "Shows", "StreamBenchmarkConfig", "run_system"]
+__all__ = ["run_system"]

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from wigwag.errors import InputError
-from wigwag.evaluate.stream.material import Lesson
+from wigwag.evaluate.stream.lessons import Lesson
 from wigwag.evaluate.stream.moves import cut_to_movement
 from wigwag.gesture import Gesture
 from wigwag.recognise import KernelRecognizer

@@ -42,6 +42,8 @@ class Session:
     """Commands, in the order of their decisions."""
     update_ms: Float[np.ndarray, " poses"]
     """Processor time of each update."""
+    exceptions: int = 0
+    """How many updates raised one."""
 
 
 def poses_of(recording: Recording) -> list[Pose]:
@@ -52,23 +54,32 @@ def poses_of(recording: Recording) -> list[Pose]:
     return [Pose(j, visibility, int(s)) for j, s in zip(joints, stream.stamps_ns, strict=True)]
 
 
-def watch(listener: Listener, recording: Recording, poses: Poses | None = None) -> Session:
+def watch(
+    listener: Listener, recording: Recording, poses: Poses | None = None, *, tolerant: bool = False
+) -> Session:
     """Let a system watch one recording from its beginning to its end.
 
     Args:
         listener: Is reset first.
         recording: With its truth.
         poses: What is seen of it, if that is not everything.
+        tolerant: Count exceptions and go on, instead of letting them through.
     """
     listener.reset()
-    events, took = [], []
+    events, took, exceptions = [], [], 0
     for pose in poses_of(recording) if poses is None else poses:
         begin = time.thread_time_ns()
-        gesture = listener.update(pose)
+        try:
+            gesture = listener.update(pose)
+        except Exception:
+            if not tolerant:
+                raise
+            exceptions += 1
+            gesture = None
         took.append((time.thread_time_ns() - begin) * 1e-6)
         if gesture is not None and gesture.label is not None:
             events.append(gesture)
-    return Session(recording, tuple(events), np.array(took))
+    return Session(recording, tuple(events), np.array(took), exceptions)
 
 
 def twins_apart(session: Session) -> tuple[tuple[Gesture, ...], tuple[Gesture, ...]]:
@@ -91,7 +102,7 @@ def scene_at(recording: Recording, event: Gesture) -> Mark | None:
     return best
 
 
-def figures(sessions: Sequence[Session], repeats: int = 1, points: bool = False) -> dict[str, Any]:
+def figures(sessions: Sequence[Session], repeats: float = 1, points: bool = False) -> dict[str, Any]:
     """Return the record of a run: every figure of merit over all its sessions.
 
     Args:
@@ -106,6 +117,7 @@ def figures(sessions: Sequence[Session], repeats: int = 1, points: bool = False)
         for s, (judged, _) in zip(sessions, parted, strict=True)
     ]
     hours = sum(w.duration_s for w in watched) / 3600
+    n_twins = sum(len(twins) for _, twins in parted)
     events = sum(len(w.marks) for w in watched)
     said = [(match_by_moment if points else match_by_decision)(w) for w in watched]
     answered = sum(len(m.found) for m in said)
@@ -128,7 +140,8 @@ def figures(sessions: Sequence[Session], repeats: int = 1, points: bool = False)
         "false_commands_per_hour": false / hours,
         "false_commands_ci95": list(poisson_interval(false / repeats, hours / repeats)),
         "false_commands_of": [f"{cause}: {count}" for cause, count in causes.most_common()],
-        "twins": sum(len(twins) for _, twins in parted),
+        "twins": n_twins,
+        "false_commands_per_hour_with_twins": (false + n_twins) / hours,
         "jaccard": None if points or not events else jaccard(watched),
         "delay_from_end_s_median": _median(when.from_end_s),
         "delay_from_end_s_p90": _quantile(when.from_end_s, 0.9),
