@@ -11,7 +11,16 @@ if TYPE_CHECKING:
 
 
 Data = Literal[
-    "utd-mhad", "own", "own+others", "msrc12", "utkinect", "precog", "msrc12-negative", "simulated", "all"
+    "utd-mhad",
+    "own",
+    "own+others",
+    "msrc12",
+    "utkinect",
+    "precog",
+    "msrc12-negative",
+    "simulated",
+    "cost",
+    "all",
 ]
 
 Fault = Literal["missing", "jitter", "gap", "swapped", "stranger", "nan", "all"]
@@ -26,7 +35,7 @@ class StreamBenchmark:
     data: tuple[Data, ...] = ("all",)
     """utd-mhad: streams assembled of people never met. own: of people who enrolled one example of each
     gesture; own+others: beside what others taught. msrc12: its 12 gestures. utkinect, precog,
-    msrc12-negative, simulated: only movements that are no command."""
+    msrc12-negative, simulated: only movements that are no command. cost: time and memory, an hour long."""
     vocabulary: tuple[Literal["6", "7", "27"], ...] = ("6",)
     """Which of UTD-MHAD's classes are commands."""
     system: tuple[str, ...] = ("spotter",)
@@ -49,6 +58,7 @@ class StreamBenchmark:
         from wigwag.cli.benchmark_text import bar_of_steps, wide_console
         from wigwag.evaluate.records import Records, command_line
         from wigwag.evaluate.stream.corrupt import CORRUPTIONS
+        from wigwag.evaluate.stream.cost import run_cost
         from wigwag.evaluate.stream.material import read_material
         from wigwag.evaluate.stream.plan import SHOWS, StreamBenchmarkConfig
         from wigwag.evaluate.stream.run import run_system
@@ -63,7 +73,7 @@ class StreamBenchmark:
         shows = [show for show in SHOWS if show in self.data or "all" in self.data]
         faults = tuple(kind for kind in CORRUPTIONS if kind in self.corrupt or "all" in self.corrupt)
         with bar_of_steps(console) as bar:
-            for vocabulary in self.vocabulary:
+            for vocabulary in self.vocabulary if shows else ():
                 config = StreamBenchmarkConfig(
                     vocabulary,
                     self.inner,
@@ -76,7 +86,13 @@ class StreamBenchmark:
                     title = f"{system}, {vocabulary} classes"
                     for record in run_system(material, system, shows, config, progress=bar(title)):
                         records.add(**record)
-        console.print(_table(records.rows))
+            for system in self.system if {"cost", "all"} & set(self.data) else ():
+                records.add(**run_cost(material, system, seed=self.seed, progress=bar("cost")))
+        if shows:
+            console.print(_table([row for row in records.rows if row["data"] != "cost"]))
+        for row in records.rows:
+            if row["data"] == "cost":
+                console.print(_cost(row), highlight=False)
         if self.json is not None:
             console.print(f"Records: {self.json}")
         return 0
@@ -124,6 +140,15 @@ def _table(rows: list[dict[str, Any]]) -> Table:
             f"{row['ms_per_pose_mean']:.3f}",
         )
     return table
+
+
+def _cost(row: dict[str, Any]) -> str:
+    return (
+        f"{row['system']}, {row['gestures']} gestures, {row['hours']:.2f} h: {row['ms_per_pose_mean']:.3f} ms "
+        f"a pose (median {row['ms_per_pose_median']:.3f}, 99 % below {row['ms_per_pose_p99']:.3f}, longest "
+        f"{row['ms_per_pose_max']:.1f}); last quarter to first {row['last_to_first_quarter']:.2f}; memory "
+        f"{row['rss_mb']:.0f} MB, {row['rss_growth_mb']:+.1f} MB since the first minute."
+    )
 
 
 def _number(value: float | None, digits: int, times: float = 1.0) -> str:
