@@ -82,6 +82,13 @@ def watch(
     return Session(recording, tuple(events), np.array(took), exceptions)
 
 
+def watched(session: Session, events: Sequence[Gesture] | None = None) -> Watched:
+    """Return what is to be counted of a session: all its commands, or these of them."""
+    recording = session.recording
+    kept = session.events if events is None else tuple(events)
+    return Watched(recording.stream.duration_s, recording.marks, kept, str(recording.stream.subject))
+
+
 def twins_apart(session: Session) -> tuple[tuple[Gesture, ...], tuple[Gesture, ...]]:
     """Part commands into those that are judged, and those that name what an everyday movement truly is."""
     judged: list[Gesture] = []
@@ -112,14 +119,11 @@ def figures(sessions: Sequence[Session], repeats: float = 1, points: bool = Fals
         points: Whether the marks are action points: overlaps have no meaning then.
     """
     parted = [twins_apart(session) for session in sessions]
-    watched = [
-        Watched(s.recording.stream.duration_s, s.recording.marks, judged, str(s.recording.stream.subject))
-        for s, (judged, _) in zip(sessions, parted, strict=True)
-    ]
-    hours = sum(w.duration_s for w in watched) / 3600
+    seen = [watched(s, judged) for s, (judged, _) in zip(sessions, parted, strict=True)]
+    hours = sum(w.duration_s for w in seen) / 3600
     n_twins = sum(len(twins) for _, twins in parted)
-    events = sum(len(w.marks) for w in watched)
-    said = [(match_by_moment if points else match_by_decision)(w) for w in watched]
+    events = sum(len(w.marks) for w in seen)
+    said = [(match_by_moment if points else match_by_decision)(w) for w in seen]
     answered = sum(len(m.found) for m in said)
     false = sum(len(m.false) for m in said)
     when = delays(said)
@@ -131,9 +135,9 @@ def figures(sessions: Sequence[Session], repeats: float = 1, points: bool = Fals
     return {
         "hours": hours,
         "hours_distinct": hours / repeats,
-        "people": len({w.person for w in watched}),
+        "people": len({w.person for w in seen}),
         "events": events,
-        "event_f1": None if points or not events else f1([match_by_overlap(w) for w in watched]),
+        "event_f1": None if points or not events else f1([match_by_overlap(w) for w in seen]),
         "detection_rate": answered / events if events else None,
         "false_positive_rate": false / events if events else None,
         "false_commands": false,
@@ -142,14 +146,14 @@ def figures(sessions: Sequence[Session], repeats: float = 1, points: bool = Fals
         "false_commands_of": [f"{cause}: {count}" for cause, count in causes.most_common()],
         "twins": n_twins,
         "false_commands_per_hour_with_twins": (false + n_twins) / hours,
-        "jaccard": None if points or not events else jaccard(watched),
+        "jaccard": None if points or not events else jaccard(seen),
         "delay_from_end_s_median": _median(when.from_end_s),
         "delay_from_end_s_p90": _quantile(when.from_end_s, 0.9),
         "delay_from_end_frames_median": _median(when.from_end_s * rate_hz),
         "delay_from_onset_s_median": _median(when.from_onset_s),
         "decided_before_end": float(np.mean(when.from_end_s < 0)) if len(when.from_end_s) else None,
         "share_seen_median": None if points else _median(when.share_seen),
-        "action_point_f1": f1([match_by_moment(w) for w in watched]) if points else None,
+        "action_point_f1": f1([match_by_moment(w) for w in seen]) if points else None,
         "ms_per_pose_median": float(np.median(took)),
         "ms_per_pose_mean": float(np.mean(took)),
         "ms_per_pose_p99": float(np.quantile(took, 0.99)),
@@ -173,4 +177,4 @@ def _quantile(values: np.ndarray, share: float) -> float | None:
     return float(np.quantile(values, share)) if len(values) else None
 
 
-__all__ = ["Session", "figures", "poses_of", "scene_at", "twins_apart", "watch"]
+__all__ = ["Session", "figures", "poses_of", "scene_at", "twins_apart", "watch", "watched"]
