@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+import shlex
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Literal
 
 import tyro
 
@@ -17,12 +18,14 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class VocabularyCheck:
-    """Say which gestures are too alike, look like everyday movement, or are never decided early.
+class Vocabulary:
+    """Say which of your gestures are too alike, look like everyday movement, or are never decided early.
 
     Exit code 1: something is too alike.
     """
 
+    action: tyro.conf.Positional[Literal["check"]] = "check"
+    """What to do with the gestures."""
     clips: tyro.conf.Positional[Path | None] = None
     """Folder of your clips, <label>/<name>.json. Or give --data."""
     data: Path | None = None
@@ -48,7 +51,8 @@ class VocabularyCheck:
         from wigwag.evaluate.vocabulary_pictures import draw_report
 
         console = wide_console()
-        records = Records(self.json, command_line("wigwag vocabulary check", self), self.seed)
+        name = "wigwag vocabulary check" + (f" {shlex.quote(str(self.clips))}" if self.clips else "")
+        records = Records(self.json, command_line(name, replace(self, clips=None)), self.seed)
         clips = self._clips(console)
         everyday = self._everyday()
         with bar_of_steps(console) as bar:
@@ -102,19 +106,6 @@ class VocabularyCheck:
         return [recording for name in ("utkinect", "precog") for recording in streams.get(name, [])]
 
 
-@dataclass(frozen=True)
-class Vocabulary:
-    """Look at a set of gestures."""
-
-    vocabulary: tyro.conf.OmitArgPrefixes[
-        tyro.conf.OmitSubcommandPrefixes[Annotated[VocabularyCheck, tyro.conf.subcommand("check")]]
-    ]
-
-    def run(self) -> int:
-        """Run the chosen command and return its exit code."""
-        return self.vocabulary.run()
-
-
 def _say(console: Console, report: VocabularyReport) -> None:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
@@ -161,4 +152,4 @@ def _share(value: float | None) -> str:
     return "" if value is None else f"{100 * value:.0f}"
 
 
-__all__ = ["Vocabulary", "VocabularyCheck"]
+__all__ = ["Vocabulary"]

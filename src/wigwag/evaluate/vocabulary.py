@@ -31,7 +31,7 @@ class Rules:
     """What is too much."""
 
     confused: float = 0.10
-    """Two gestures are too alike if more of either's left-out showings than this share are named the other."""
+    """Two gestures are too alike if more of either's left-out showings than this are named the other."""
     nearer: float = 0.10
     """They are, too, if for more of both's examples than this share the nearest other example shows the other
     gesture, by dynamic time warping over all views."""
@@ -117,9 +117,9 @@ def check_vocabulary(
 
     Showings are left out and judged by the rest: whole people where two or more show every gesture, else
     every fourth example (every second of two); where there is one example alone, varied copies of it stand
-    in, which flatters. Pairs are judged by those and by the distances between all examples; gestures by a stream
-    into which the left-out showings are played between rests, and by an hour of simulated people's everyday
-    movements.
+    in, which flatters. Pairs are judged by those and by the distances between all examples; gestures by a
+    stream into which the left-out showings are played between rests, and by an hour of simulated people's
+    everyday movements.
 
     Args:
         clips: Labelled examples of two gestures or more.
