@@ -12,6 +12,7 @@ from wigwag.cli.benchmark_few_shot import FewShotBenchmark
 from wigwag.cli.benchmark_gallery import GalleryBenchmark
 from wigwag.cli.benchmark_lift import LiftBenchmark
 from wigwag.cli.benchmark_reject import RejectBenchmark
+from wigwag.cli.benchmark_stream import StreamBenchmark
 from wigwag.cli.benchmark_transfer import TransferBenchmark
 from wigwag.cli.benchmark_utd_mhad import UtdMhadBenchmark
 
@@ -29,6 +30,7 @@ class Benchmark:
             | Annotated[FewShotBenchmark, tyro.conf.subcommand("few-shot")]
             | Annotated[RejectBenchmark, tyro.conf.subcommand("reject")]
             | Annotated[TransferBenchmark, tyro.conf.subcommand("transfer")]
+            | Annotated[StreamBenchmark, tyro.conf.subcommand("stream")]
         ]
     ]
 
