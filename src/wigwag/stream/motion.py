@@ -72,7 +72,7 @@ class Motion:
 
     def __init__(self, config: MotionConfig | None = None) -> None:
         self.config = config or MotionConfig()
-        self.reset()
+        self.forget()
 
     def reset(self) -> None:
         """Forget everything but the person's rest level, as after a hole in the stream."""
@@ -85,7 +85,6 @@ class Motion:
         self.activity_m_s = 0.0
         """Mean speed of the fastest landmarks relative to the hips, just now."""
         self.row = -1
-        self._level = getattr(self, "_level", self.config.level_m_s)
         self._recent: deque[float] = deque(maxlen=_DIP + _AROUND + 1)
         self._history: deque[float] = deque(maxlen=round((self.config.longest_s + 1) * RATE_HZ))
         self._smooth: Float[np.ndarray, "13 3"] | None = None
@@ -94,6 +93,7 @@ class Motion:
     def forget(self) -> None:
         """Forget the person too."""
         self._level = self.config.level_m_s
+        self._known_s = 0.0
         self.reset()
 
     @property
@@ -116,7 +116,10 @@ class Motion:
         self._history.append(self.activity_m_s)
         if self.row > _DIP:  # the filter has settled
             slower = self.activity_m_s < self._level
-            time_s = self.config.falls_s if slower else self.config.rises_s
+            # In the first seconds it follows either way.
+            rises_s = min(max(self._known_s, self.config.falls_s), self.config.rises_s)
+            time_s = self.config.falls_s if slower else rises_s
+            self._known_s += 1 / RATE_HZ
             self._level += (self.activity_m_s - self._level) / (time_s * RATE_HZ)
         if self.resting:
             self._begin()

@@ -45,8 +45,8 @@ def teach_stream(
     look like while they are shown. How sure to be is learned from people who are left out in turn.
 
     Args:
-        clips: Labelled examples, with ``subject`` set. Those whose gestures no stream shows are put into
-            streams of their own, between rest and background.
+        clips: Labelled examples, with ``subject`` set. Where no stream shows a person's gesture, its
+            examples are put into streams of their own, between rest and background.
         background: Movements that are no gesture, of anybody, however long.
         streams: Streams in which gestures are marked.
         config: How a stream becomes gestures.
@@ -74,11 +74,11 @@ def teach_stream(
     rng = np.random.default_rng(random_state)
     labelled = [clip for clip in clips if clip.label is not None]
     others = [*background, *(clip for clip in clips if clip.label is None)]
-    shown = {showing.label for stream in streams for showing in stream.showings}
-    missing = [clip for clip in labelled if clip.label not in shown]
+    shown = {(s.stream.subject, showing.label) for s in streams for showing in s.showings}
+    missing = [clip for clip in labelled if (clip.subject, clip.label) not in shown]
     people = {clip.subject for clip in missing} | {s.stream.subject for s in streams if s.showings}
-    _check(shown | {str(clip.label) for clip in missing}, config)
-    watched = [*streams, *_assembled(missing, others, rng, alone=len(people) == 1 and not streams)]
+    _check({label for _, label in shown} | {str(clip.label) for clip in missing}, config)
+    watched = [*streams, *_assembled(missing, others, rng, alone=len(people) == 1 and not shown)]
     watched += [LabelledStream(clip) for clip in others if clip.duration_s > _LONG_S]
     watched += _strung([clip for clip in others if clip.duration_s <= _LONG_S], rng)
     return Lesson(watched, origin, random_state).learn(config)

@@ -24,13 +24,14 @@ class TickConfig:
     memory_s: float = 7.0
     """Seconds of rows that are kept."""
     gap_s: float = 0.6
-    """A hole longer than this ends what was going on; a shorter one is bridged by straight lines."""
+    """A hole longer than this ends what was going on, and whoever is seen then is believed; a shorter one is
+    bridged by straight lines."""
     jump_m: float = 0.15
     """All landmarks may differ from the pose before by so much on average ..."""
     speed_m_s: float = 3.0
     """... and by so much more a second."""
-    insist_s: float = 0.6
-    """Whoever is seen elsewhere for this long is believed, and the stream begins anew."""
+    reach_s: float = 0.15
+    """But never by more than in this time."""
     crossed_s: float = 1.5
     """Left and right that stay changed for this long are believed."""
     unseen_s: float = 0.5
@@ -65,7 +66,6 @@ class Ticks:
         self._last: Float[np.ndarray, "13 3"] | None = None
         self._last_ns = 0
         self._newest_ns: int | None = None
-        self._foreign_ns: int | None = None
         self._crossed_ns: int | None = None
         self._unseen_s = np.zeros(13)
 
@@ -87,13 +87,8 @@ class Ticks:
         joints = self._uncrossed(joints, pose.stamp_ns)
         joints = self._seen(joints, np.asarray(pose.visibility), step_s)
         away = float(np.linalg.norm(joints - self._last, axis=1).mean())
-        if away > self.config.jump_m + self.config.speed_m_s * step_s:
-            if self._foreign_ns is None:
-                self._foreign_ns = pose.stamp_ns
-            if (pose.stamp_ns - self._foreign_ns) * 1e-9 < self.config.insist_s:
-                return 0
-            return self._restart(joints, pose.stamp_ns)
-        self._foreign_ns = None
+        if away > self.config.jump_m + self.config.speed_m_s * min(step_s, self.config.reach_s):
+            return 0
         return self._advance(joints, pose.stamp_ns)
 
     def window(self, first: int, last: int) -> Float[np.ndarray, "rows 13 3"]:

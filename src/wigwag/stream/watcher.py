@@ -107,7 +107,7 @@ class Watcher:
         now = self.motion.row
         while self._waiting:
             row = self._waiting.popleft()
-            if row >= self._not_before and now - row >= _SHORTEST:
+            if row >= self._not_before and _SHORTEST <= now - row <= self.config.motion.longest_s * RATE_HZ:
                 return self._hypothesis(row, now)
         if self.motion.resting and now - self._rest_row > self.config.hold_s * RATE_HZ:
             return None
