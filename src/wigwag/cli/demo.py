@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress
 
-    from wigwag.evaluate.lessons import Teachable
+    from wigwag.evaluate.lessons import InStreams
     from wigwag.evaluate.session import Session
     from wigwag.pose.estimator import PoseEstimator
     from wigwag.view.report import Still
@@ -81,6 +81,7 @@ class Demo:
 
     def _fly_procedural(self, console: Console) -> dict[str, Any]:
         from wigwag.evaluate.lessons import teach_procedural, warm_up
+        from wigwag.stream.listener import listening
 
         with tempfile.TemporaryDirectory() as folder:
             model = Path(folder) / "demo.wigwag"
@@ -95,7 +96,7 @@ class Demo:
                     session = self._procedural_session(estimator)
                     clips = taught.result()
             recogniser = load_recogniser(self.recognizer, model)
-        session.pilot.spotter.recogniser = recogniser
+        session.pilot.spotter = listening(recogniser)
         stills = fly(session, estimator, console, self.out / "demo.mp4" if self.film else None)
         summary = account_of(session, self, {"clips_taught": clips})
         write(self, session, summary, stills)
@@ -135,11 +136,11 @@ def pose_estimator() -> PoseEstimator:
     return PoseEstimator()
 
 
-def load_recogniser(name: str, model: Path) -> Teachable:
-    """Read a taught recogniser."""
-    from wigwag.evaluate.lessons import RECOGNISERS
+def load_recogniser(name: str, model: Path) -> InStreams:
+    """Read what was taught to hear a stream."""
+    from wigwag.evaluate.lessons import IN_STREAMS
 
-    return RECOGNISERS[name].load(model)
+    return IN_STREAMS[name].load(model)
 
 
 def fly(session: Session, estimator: PoseEstimator, console: Console, film: Path | None) -> list[Still]:
