@@ -28,6 +28,9 @@ START_M = 5.6
 """How far off the operator stands when the drone is on the ground: from nearer, a level camera down there
 does not see raised hands."""
 
+HOVER_M = 4.0
+"""How far off they stand when it hovers already."""
+
 
 @dataclass(frozen=True)
 class Demo:
@@ -48,6 +51,10 @@ class Demo:
     """Which recogniser decides: wigwag's own, or one of the paper's two."""
     film: bool = True
     """Write demo.mp4."""
+    idle: bool = False
+    """The operator walks, turns and fidgets and commands nothing; the drone hovers from the beginning."""
+    duration: float = 600.0
+    """Seconds of that."""
 
     def run(self) -> int:
         """Teach, fly, judge, report; return 0."""
@@ -58,6 +65,8 @@ class Demo:
             raise InputError(
                 f"--seed must be from 0 to 999999, but got {self.seed}; above are training people."
             )
+        if self.idle and self.motion != "gestures":
+            raise InputError("--idle is for --motion gestures: what recorded people show are gestures.")
         began = time.monotonic()
         try:
             self.out.mkdir(parents=True, exist_ok=True)
@@ -105,6 +114,7 @@ class Demo:
     def _procedural_session(self, estimator: PoseEstimator) -> Session:
         from wigwag.evaluate.session import Session
         from wigwag.pilot import Pilot
+        from wigwag.sim.idle import plan_idle
         from wigwag.sim.motion import Operator
         from wigwag.sim.paint import Look
         from wigwag.sim.person import Person
@@ -113,9 +123,14 @@ class Demo:
         from wigwag.sim.world import World, WorldConfig
 
         person = Person.random(self.seed)
-        script = plan_session(person, self.seed)
-        operator = Operator(person, script, position_m=(START_M, 0.0), seed=self.seed)
-        config = WorldConfig(quadrotor=QuadrotorConfig(position_m=(0.0, 0.0, 0.0)))
+        if self.idle:
+            script = plan_idle(person, self.seed, self.duration)
+            operator = Operator(person, script, position_m=(HOVER_M, 0.0), seed=self.seed)
+            config = WorldConfig()
+        else:
+            script = plan_session(person, self.seed)
+            operator = Operator(person, script, position_m=(START_M, 0.0), seed=self.seed)
+            config = WorldConfig(quadrotor=QuadrotorConfig(position_m=(0.0, 0.0, 0.0)))
         world = World(config, self.seed, operator, Look.from_seed(self.seed, person.height_m))
         pilot = Pilot(estimator, Untaught(), world.vehicle)
         return Session(world, pilot, script)
@@ -204,6 +219,7 @@ def account_of(session: Session, demo: Demo, extra: dict[str, Any] | None = None
         "motion": demo.motion,
         "seed": demo.seed,
         "recognizer": demo.recognizer,
+        "idle": demo.idle,
         **figures,
         "duration_s": round(session.script.duration_s, 1),
         "rss_mb": peak_mb(),

@@ -23,11 +23,11 @@ class MotionConfig:
     """Time constant of the low-pass filter on landmarks before they are differentiated."""
     fastest: int = 4
     """How many landmarks speak: the mean speed of this many, the fastest of the moment."""
-    on_m_s: tuple[float, float] = (0.28, 0.7)
+    on_m_s: tuple[float, float] = (0.28, 0.6)
     """A movement begins above this speed: least and greatest, in between by the person's rest level."""
     above_rest_m_s: float = 0.22
     """It is this much ..."""
-    above_rest: float = 2.0
+    above_rest: float = 1.6
     """... above so many times the rest level."""
     off: float = 0.75
     """Slower than this share of that speed is a lull."""
@@ -48,7 +48,7 @@ class MotionConfig:
     """How long before it is noticed a movement began."""
     falls_s: float = 0.5
     """Time constant with which the rest level follows a person who keeps stiller than thought ..."""
-    rises_s: float = 20.0
+    rises_s: float = 60.0
     """... and one who never keeps as still."""
     level_m_s: float = 0.10
     """The rest level before anything is known."""
