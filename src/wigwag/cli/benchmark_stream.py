@@ -38,7 +38,7 @@ class StreamBenchmark:
     msrc12-negative, simulated: only movements that are no command. cost: time and memory, an hour long."""
     vocabulary: tuple[Literal["6", "7", "27"], ...] = ("6",)
     """Which of UTD-MHAD's classes are commands."""
-    system: tuple[str, ...] = ("spotter",)
+    system: tuple[str, ...] = ("stream", "spotter")
     """What is judged."""
     inner: bool = False
     """Judge training people by each other instead: the figures by which settings may be chosen."""

@@ -18,6 +18,7 @@ from wigwag.evaluate.stream.metrics import match_by_decision
 from wigwag.evaluate.stream.simulated import simulated_everyday
 from wigwag.evaluate.stream.systems import system_of
 from wigwag.evaluate.stream.watch import Session, scene_at, watch, watched
+from wigwag.gesture import Gesture
 from wigwag.recognise import KernelRecognizer
 from wigwag.recognise.alike import Separation, separation
 from wigwag.skeleton import Clip
@@ -152,12 +153,13 @@ def check_vocabulary(
     if progress is not None:
         progress("everyday movements", len(folds) + 1, len(folds) + 2)
     listener = teach(Lesson(list(clips), background=background, seed=seed))
-    idle = [watch(listener, r) for r in (*simulated_everyday(20, "test", seed), *everyday)]
+    lives = [*simulated_everyday(20, "test", seed), *everyday]
+    idle = [watch(listener, recording) for recording in lives]
     pairs = [_pair(a, b, named, apart, rules) for a, b in combinations(labels, 2)]
     pairs.sort(key=lambda p: (-(p.confused or 0) - (p.nearer or 0), p.ratio or np.inf))
     gestures = [_gesture(label, clips, sessions, idle, rules) for label in labels]
-    hours = sum(s.recording.hours for s in idle)
-    return VocabularyReport(protocol, pairs, gestures, hours, _lookalikes(gestures, idle))
+    hours = sum(s.duration_s for s in idle) / 3600
+    return VocabularyReport(protocol, pairs, gestures, hours, _lookalikes(gestures, lives, idle))
 
 
 def _labels(clips: Sequence[Clip]) -> list[str]:
@@ -199,13 +201,13 @@ def _pair(
 def _gesture(
     label: str, clips: Sequence[Clip], sessions: Sequence[Session], idle: Sequence[Session], rules: Rules
 ) -> GestureFinding:
-    mine = [s for s in sessions if s.recording.marks[0].label == label]
+    mine = [s for s in sessions if s.marks[0].label == label]
     answered = [pair for s in mine for pair in match_by_decision(watched(s)).found]
     before = [event.decided_ns < mark.end_ns for mark, event in answered]
     share = [
         (event.decided_ns - mark.onset_ns) / max(mark.end_ns - mark.onset_ns, 1) for mark, event in answered
     ]
-    hours = sum(s.recording.hours for s in idle)
+    hours = sum(s.duration_s for s in idle) / 3600
     on = Counter(_scene(s, e) for s in idle for e in s.events if e.label == label)
     found = len(answered) / len(mine) if mine else None
     early = float(np.mean(before)) if before else None
@@ -232,22 +234,24 @@ def _gesture(
     )
 
 
-def _scene(session: Session, event: object) -> str:
-    scene = scene_at(session.recording, event)  # type: ignore[arg-type]
+def _scene(session: Session, event: Gesture) -> str:
+    scene = scene_at(session, event)
     return scene.label.partition(":")[2] or scene.label if scene else "walking or standing"
 
 
-def _lookalikes(gestures: Sequence[GestureFinding], idle: Sequence[Session]) -> dict[str, Clip]:
+def _lookalikes(
+    gestures: Sequence[GestureFinding], lives: Sequence[Recording], idle: Sequence[Session]
+) -> dict[str, Clip]:
     """Cut out what the first of its false commands fell on, for each gesture that has too many."""
     pieces = {}
     for gesture in gestures:
         if "looks like everyday movement" not in gesture.verdicts:
             continue
-        for session in idle:
+        for recording, session in zip(lives, idle, strict=True):
             event = next((e for e in session.events if e.label == gesture.label), None)
             if event is None:
                 continue
-            stream = session.recording.stream
+            stream = recording.stream
             low, high = np.searchsorted(
                 stream.stamps_ns, [event.onset_ns, max(event.decided_ns, event.end_ns)]
             )

@@ -35,9 +35,20 @@ Poses = Sequence[Pose]
 
 @dataclass(frozen=True, slots=True)
 class Session:
-    """What a system said while it watched one recording."""
+    """What a system said while it watched one recording, and what was true."""
 
-    recording: Recording
+    name: str
+    """Of the stream."""
+    person: str
+    """Who was watched."""
+    duration_s: float
+    """Length of the stream."""
+    step_s: float
+    """From one pose to the next, median."""
+    marks: tuple[Mark, ...]
+    """The gestures shown."""
+    scenes: tuple[Mark, ...]
+    """What else was shown."""
     events: tuple[Gesture, ...]
     """Commands, in the order of their decisions."""
     update_ms: Float[np.ndarray, " poses"]
@@ -79,14 +90,24 @@ def watch(
         took.append((time.thread_time_ns() - begin) * 1e-6)
         if gesture is not None and gesture.label is not None:
             events.append(gesture)
-    return Session(recording, tuple(events), np.array(took), exceptions)
+    stream = recording.stream
+    return Session(
+        stream.name,
+        str(stream.subject),
+        stream.duration_s,
+        float(np.median(np.diff(stream.stamps_ns))) * 1e-9,
+        recording.marks,
+        recording.scenes,
+        tuple(events),
+        np.array(took, dtype=np.float32),
+        exceptions,
+    )
 
 
 def watched(session: Session, events: Sequence[Gesture] | None = None) -> Watched:
     """Return what is to be counted of a session: all its commands, or these of them."""
-    recording = session.recording
     kept = session.events if events is None else tuple(events)
-    return Watched(recording.stream.duration_s, recording.marks, kept, str(recording.stream.subject))
+    return Watched(session.duration_s, session.marks, kept, session.person)
 
 
 def twins_apart(session: Session) -> tuple[tuple[Gesture, ...], tuple[Gesture, ...]]:
@@ -94,15 +115,15 @@ def twins_apart(session: Session) -> tuple[tuple[Gesture, ...], tuple[Gesture, .
     judged: list[Gesture] = []
     twins: list[Gesture] = []
     for event in session.events:
-        scene = scene_at(session.recording, event)
+        scene = scene_at(session, event)
         (twins if scene is not None and TWINS.get(scene.label) == event.label else judged).append(event)
     return tuple(judged), tuple(twins)
 
 
-def scene_at(recording: Recording, event: Gesture) -> Mark | None:
+def scene_at(session: Session, event: Gesture) -> Mark | None:
     """Return the everyday movement that an event overlaps most, if it overlaps any."""
     best, most = None, 0
-    for scene in recording.scenes:
+    for scene in session.scenes:
         inside = min(scene.end_ns, max(event.end_ns, event.decided_ns)) - max(scene.onset_ns, event.onset_ns)
         if inside > most:
             best, most = scene, inside
@@ -127,7 +148,7 @@ def figures(sessions: Sequence[Session], repeats: float = 1, points: bool = Fals
     answered = sum(len(m.found) for m in said)
     false = sum(len(m.false) for m in said)
     when = delays(said)
-    rate_hz = float(np.median([1e9 / np.median(np.diff(s.recording.stream.stamps_ns)) for s in sessions]))
+    rate_hz = float(np.median([1 / session.step_s for session in sessions]))
     took = np.concatenate([s.update_ms for s in sessions])
     causes = Counter(
         _cause(s, m.false[i]) for s, m in zip(sessions, said, strict=True) for i in range(len(m.false))
@@ -162,10 +183,10 @@ def figures(sessions: Sequence[Session], repeats: float = 1, points: bool = Fals
 
 def _cause(session: Session, event: Gesture) -> str:
     """Say on what a false command fell, and what it was."""
-    for mark in session.recording.marks:
+    for mark in session.marks:
         if event.onset_ns <= mark.end_ns and max(event.end_ns, event.decided_ns) >= mark.onset_ns:
             return f"{event.label} {'again ' if mark.label == event.label else ''}on {mark.label}"
-    scene = scene_at(session.recording, event)
+    scene = scene_at(session, event)
     return f"{event.label} on {scene.label if scene else 'rest'}"
 
 
