@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from wigwag.datasets.recording import Mark, Recording
@@ -30,21 +32,24 @@ def simulated_everyday(people: int, purpose: str = "test", seed: int = 0) -> lis
     Returns:
         Recordings without marks; scenes are named ``"simulated:scratch_head"`` and so on.
     """
-    names = BACKGROUND if purpose == "teach" else (*BACKGROUND, *DISTRACTORS)
     first = {"teach": _TAUGHT_SEED, "inner": _INNER_SEED, "test": 0}[purpose] + 1000 * seed
+    return [_recording(number, purpose == "teach") for number in range(first, first + people)]
+
+
+@lru_cache(maxsize=64)
+def _recording(number: int, teach: bool) -> Recording:
+    """Simulate one person; kept, since every teaching of a run sees the same ones."""
+    names = BACKGROUND if teach else (*BACKGROUND, *DISTRACTORS)
     config = ScriptConfig(
         commands=(), repetitions=1, others=names, n_others=2 * len(names), gap_s=(0.6, 2.4), lead_in_s=3.0
     )
-    recordings = []
-    for number in range(first, first + people):
-        person = Person.random(number)
-        script = plan_session(person, number, config)
-        session = watch(person, script, SensorConfig(), np.random.default_rng([0x51, number]))
-        scenes = tuple(
-            Mark(f"simulated:{s.label}", round(s.start_s * 1e9), round(s.end_s * 1e9)) for s in session.shown
-        )
-        recordings.append(Recording(session.stream, (), scenes))
-    return recordings
+    person = Person.random(number)
+    script = plan_session(person, number, config)
+    session = watch(person, script, SensorConfig(), np.random.default_rng([0x51, number]))
+    scenes = tuple(
+        Mark(f"simulated:{s.label}", round(s.start_s * 1e9), round(s.end_s * 1e9)) for s in session.shown
+    )
+    return Recording(session.stream, (), scenes)
 
 
 __all__ = ["simulated_everyday"]
