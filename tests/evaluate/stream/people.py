@@ -18,6 +18,20 @@ def swing(
     size: float = 1.0,
 ) -> Clip:
     """The right arm (odd actions) or the left goes up and down again; ``still_s`` of rest at either end."""
+    raw = raw_swing(subject, label, trial, still_s=still_s, move_s=move_s, size=size)
+    return Clip.at_rate(from_kinect20(raw), RATE_HZ, label, subject, f"{label}_{subject}_t{trial}")
+
+
+def raw_swing(
+    subject: str = "s1",
+    label: str = "a1",
+    trial: int = 1,
+    *,
+    still_s: tuple[float, float] = (0.8, 0.8),
+    move_s: float = 1.6,
+    size: float = 1.0,
+) -> np.ndarray:
+    """The same as 20 Kinect joints: metres, Kinect frame, (frames, 20, 3)."""
     rng = np.random.default_rng([trial, int(label[1:]), int(subject[1:])])
     before, moving, after = (round(s * RATE_HZ) for s in (still_s[0], move_s, still_s[1]))
     frames = before + moving + after
@@ -28,8 +42,7 @@ def swing(
     reach = np.array([[0.2], [0.6], [0.9]]) * size
     direction = np.array([np.cos(int(label[1:])), 1.0, -0.5])
     joints[:, arm] += lift[:, None, None] * reach * direction / np.linalg.norm(direction)
-    joints += rng.normal(0, 0.001, joints.shape)
-    return Clip.at_rate(from_kinect20(joints), RATE_HZ, label, subject, f"{label}_{subject}_t{trial}")
+    return joints + rng.normal(0, 0.001, joints.shape)
 
 
 def walk(
