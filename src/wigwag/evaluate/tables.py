@@ -193,10 +193,10 @@ PARTS: dict[str, tuple[str, Callable[[Records], str]]] = {
     "stream": (
         "Commands in streams (`wigwag benchmark stream --data-dir DIR --json FILE`). `utd-mhad`: streams "
         "assembled of people 2, 4, 6, 8, taught by 1, 3, 5, 7; `own`: of a person who enrolled one example "
-        "of each gesture; `msrc12`: its 12 gestures, people left out in five folds, F1 of action points within "
-        "333 ms; the others hold no command. The interval is the exact Poisson one of a single pass over the "
-        "material (distinct hours). Twins are everyday movements that are a gesture by another name, such as "
-        "standing up:",
+        "of each gesture; `msrc12`: its 12 gestures, people left out in five folds, F1 of action points "
+        "within 333 ms; the others hold no command. The interval is the exact Poisson one of a single pass "
+        "over the material (distinct hours). Twins are everyday movements that are a gesture by another "
+        "name, such as standing up:",
         stream_table,
     ),
     "dtw": (
