@@ -59,7 +59,8 @@ def _faults(records: Sequence[Mapping[str, Any]]) -> str:
 
 def _cost(records: Sequence[Mapping[str, Any]]) -> str:
     lines = [
-        "| system | gestures | ms a pose | 99 % below | at most | last to first quarter | memory, MB (growth) |",
+        "| system | gestures | ms a pose | 99 % below | at most | last to first quarter "
+        "| memory, MB (growth) |",
         "|---|---|---|---|---|---|---|",
     ]
     lines += [
