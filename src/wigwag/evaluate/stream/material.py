@@ -57,17 +57,10 @@ def read_material(data: Path) -> Material:
     Raises:
         DataError: If UTD-MHAD is not there.
     """
-    material = Material(utd=utd_mhad.load_skeletons(data / "utd_mhad").clips)
-    if (data / "utkinect").exists():
-        material.streams["utkinect"] = [
-            replace(r, scenes=tuple(replace(s, label=f"utkinect:{s.label}") for s in r.scenes))
-            for r in utkinect.load_recordings(data / "utkinect").recordings
-        ]
-        material.everyday.extend(_actions(material.streams["utkinect"]))
-    if (data / "precog").exists():
-        clips = precog.load_recordings(data / "precog").clips
-        material.streams["precog"] = [Recording(clip, (), (_whole(clip, "precog"),)) for clip in clips]
-        material.everyday.extend(s for clip in clips for s in _pieces(clip, "precog"))
+    material = Material(utd=utd_mhad.load_skeletons(data / "utd_mhad").clips, streams=read_everyday(data))
+    material.everyday.extend(_actions(material.streams.get("utkinect", [])))
+    for recording in material.streams.get("precog", []):
+        material.everyday.extend(_pieces(recording.stream, "precog"))
     if (data / "msrc12").exists():
         material.msrc12.extend(msrc12.load_recordings(data / "msrc12").recordings)
         # Nothing in it is a command of another vocabulary: all of a recording shows its one gesture.
@@ -77,6 +70,24 @@ def read_material(data: Path) -> Material:
             if r.marks
         ]
     return material
+
+
+def read_everyday(data: Path) -> dict[str, list[Recording]]:
+    """Read whole recordings of everyday movement, their actions as scenes: UTKinect, PRECOG.
+
+    Args:
+        data: Folder with ``utkinect`` and ``precog``, or one of them, or none.
+    """
+    streams: dict[str, list[Recording]] = {}
+    if (data / "utkinect").exists():
+        streams["utkinect"] = [
+            replace(r, scenes=tuple(replace(s, label=f"utkinect:{s.label}") for s in r.scenes))
+            for r in utkinect.load_recordings(data / "utkinect").recordings
+        ]
+    if (data / "precog").exists():
+        clips = precog.load_recordings(data / "precog").clips
+        streams["precog"] = [Recording(clip, (), (_whole(clip, "precog"),)) for clip in clips]
+    return streams
 
 
 def taught(person: str) -> bool:

@@ -73,7 +73,7 @@ def _add_sums(seen: Seen, shows: Sequence[Show]) -> None:
     for kind in dict.fromkeys(kind for _, kind in seen):
         if len(negatives) > 1:
             seen["negatives", kind] = [session for show in negatives for session in seen[show, kind]]
-        unseen = [s for s in seen.get(("msrc12", kind), []) if not taught(_person(s))]
+        unseen = [s for s in seen.get(("msrc12", kind), []) if not taught(s.person)]
         if unseen:
             seen["msrc12, judged only", kind] = unseen
 
@@ -81,9 +81,9 @@ def _add_sums(seen: Seen, shows: Sequence[Show]) -> None:
 def _record(seen: Seen, show: str, kind: str, system: str, config: StreamBenchmarkConfig) -> dict[str, Any]:
     sessions = seen[show, kind]
     points = show in ("msrc12", "msrc12, judged only")
-    names = [session.recording.stream.name.partition(", ")[0] for session in sessions]
+    names = [session.name.partition(", ")[0] for session in sessions]
     repeats = len(names) / len(set(names))
-    people = sorted({_person(session) for session in sessions})
+    people = sorted({session.person for session in sessions})
     record: dict[str, Any] = {
         "data": show,
         "vocabulary": "msrc12" if points else config.vocabulary,
@@ -102,10 +102,6 @@ def _record(seen: Seen, show: str, kind: str, system: str, config: StreamBenchma
         record["f1_lost"] = None if record[score] is None else clean[score] - record[score]
         record["false_commands_more"] = record["false_commands"] - clean["false_commands"]
     return record
-
-
-def _person(session: Session) -> str:
-    return str(session.recording.stream.subject)
 
 
 __all__ = ["run_system"]

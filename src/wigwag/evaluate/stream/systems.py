@@ -8,6 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
+from wigwag.datasets.recording import Mark
 from wigwag.errors import InputError
 from wigwag.evaluate.stream.lessons import Lesson
 from wigwag.evaluate.stream.moves import cut_to_movement
@@ -84,13 +85,17 @@ def teach_gesture_stream(lesson: Lesson) -> Listener:
     Recordings are cut to their movement; further gestures are known by name and kept silent.
     """
     clips = [cut_to_movement(clip) for clip in (*lesson.gestures, *lesson.others)]
-    streams = [
-        LabelledStream(r.stream, tuple(Showing(m.label, m.onset_ns, m.end_ns) for m in r.marks))
-        for r in lesson.streams
-    ]
+    streams = [LabelledStream(r.stream, tuple(_showing(mark) for mark in r.marks)) for r in lesson.streams]
     background = [_movable(clip) for clip in lesson.background]
     config = StreamConfig(commands=lesson.vocabulary)
     return teach_stream(clips, background, streams, config, random_state=lesson.seed).stream()
+
+
+def _showing(mark: Mark) -> Showing:
+    """Of an action point only the moment is told; where the movement begins, the stream finds out."""
+    if mark.point_ns is not None:
+        return Showing(mark.label, mark.point_ns, mark.point_ns)
+    return Showing(mark.label, mark.onset_ns, mark.end_ns)
 
 
 def _movable(clip: Clip) -> Clip:
