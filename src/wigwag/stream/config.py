@@ -23,8 +23,8 @@ class StreamConfig:
     """0: a gesture is decided when it seems to be over; 1: as soon as half of it seems to have passed. The
     earlier, the more errors."""
     false_per_hour: float = 1.0
-    """False commands an hour that are allowed on people who took no part in teaching; the thresholds are
-    the most willing ones that keep to it."""
+    """False commands an hour that are allowed on people who took no part in teaching, as far as they are
+    not said of another gesture; the thresholds are the best ones that keep to it."""
     watch: WatchConfig = field(default_factory=WatchConfig)
 
     def __post_init__(self) -> None:

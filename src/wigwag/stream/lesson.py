@@ -27,7 +27,7 @@ _MOST_FOLDS = 4
 _MOST_REFERENCES = 400
 _MOST_GESTURES = 8000
 _MOST_NOTHING = 10000
-_MOST_LOOKS = 60_000
+_MOST_LOOKS = 100_000
 """How many references there are, how many stretches are learned from, and how many are judged: what the
 time of a decision, and of teaching, is bounded by."""
 
@@ -68,7 +68,7 @@ class Lesson:
         owners = self._refer()
         looked = [self._look(number) for number in range(len(self.streams))]
         self._teach(looked, owners)
-        rehearsals = self._rehearse(looked, owners)
+        rehearsals = self._rehearse(looked, owners, config)
         typical = self._typical(rehearsals)
         for one in rehearsals:
             one.signs[:, 4] += np.log(typical[one.decided])
@@ -152,11 +152,11 @@ class Lesson:
         return similar.features(distances)
 
     def _rehearse(
-        self, looked: Sequence[list[Looked]], owners: Int[np.ndarray, " references"]
+        self, looked: Sequence[list[Looked]], owners: Int[np.ndarray, " references"], config: StreamConfig
     ) -> list[Rehearsal]:
         """Look at every stream with what others have taught."""
         rehearsals, left = [], _MOST_LOOKS
-        for stream in self.rng.permutation(len(looked)):
+        for stream in self._order(config):
             looks, fold = looked[stream], int(self.fold[stream])
             if not looks or left <= 0 or fold not in self.without:
                 continue
@@ -184,6 +184,16 @@ class Lesson:
                 )
             )
         return rehearsals
+
+    def _order(self, config: StreamConfig) -> list[int]:
+        """Order streams: those with commands first, then those without gestures, then those with others."""
+
+        def rank(stream: int) -> int:
+            labels = {showing.label for showing in self.truth[stream]}
+            spoken = labels if config.commands is None else labels & set(config.commands)
+            return 0 if spoken else 1 if not labels else 2
+
+        return sorted((int(i) for i in self.rng.permutation(len(self.streams))), key=rank)
 
     def _typical(self, rehearsals: Sequence[Rehearsal]) -> Float[np.ndarray, " labels"]:
         """Say how far the nearest example by another person usually is, a gesture."""
