@@ -12,6 +12,8 @@ from wigwag.cli.app import run
 from wigwag.datasets.folder import save_clip
 from wigwag.evaluate.stream import systems
 from wigwag.evaluate.stream.simulated import simulated_everyday
+from wigwag.recognise import KernelRecognizer
+from wigwag.stream.teach import teach_stream
 
 
 @pytest.fixture(autouse=True)
@@ -53,12 +55,34 @@ def test_a_good_vocabulary_exits_with_0(folder: Path, capsys: pytest.CaptureFixt
     assert "0 pair(s) too alike, of 1" in " ".join(capsys.readouterr().out.split())
 
 
+def test_a_saved_recogniser_is_judged_by_its_examples(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "clips.wigwag"
+    KernelRecognizer(preset="fast", copies=0).fit([*GOOD, *again(GOOD, "a1", "twin")]).save(file)
+    assert run(["vocabulary", "check", str(file), "--out", str(tmp_path / "none")]) == 1
+    said = " ".join(capsys.readouterr().out.split())
+    assert "a1 and twin: too alike" in said and "0.00 h of everyday movement" in said
+    assert not (tmp_path / "none").exists(), "a model holds nothing to draw"
+
+
+def test_a_saved_stream_model_also_hears_everyday_life(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "stream.wigwag"
+    teach_stream(GOOD).save(file)
+    assert run(["vocabulary", "check", str(file), "--json", str(tmp_path / "found.json")]) == 0
+    assert "0.05 h of everyday movement" in " ".join(capsys.readouterr().out.split())
+    gesture = json.loads((tmp_path / "found.json").read_text())[0]
+    assert gesture["label"] == "a1" and gesture["examples"] > 0 and gesture["found"] is None
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         ([], "either a folder of clips or --data"),
         (["{folder}", "--data", "x"], "either a folder of clips or --data"),
-        (["{file}"], "a saved model does not hold; give the folder of the clips"),
+        (["{file}"], "model.wigwag"),
         (["{folder}", "--labels", "a1", "jump"], "There is no clip of jump"),
         (["{folder}", "--labels", "a1"], "two gestures or more, but got"),
         (["nowhere"], "no such folder"),

@@ -27,7 +27,7 @@ class Vocabulary:
     action: tyro.conf.Positional[Literal["check"]] = "check"
     """What to do with the gestures."""
     clips: tyro.conf.Positional[Path | None] = None
-    """Folder of your clips, <label>/<name>.json. Or give --data."""
+    """Folder of your clips, <label>/<name>.json; or a saved model, of which less can be said. Or --data."""
     data: Path | None = None
     """UTD-MHAD's folder: check its classes instead."""
     labels: tuple[str, ...] = ()
@@ -47,22 +47,27 @@ class Vocabulary:
         """Check, print what was found, draw it; 1 if a pair is too alike."""
         from wigwag.cli.benchmark_text import bar_of_steps, wide_console
         from wigwag.evaluate.records import Records, command_line
-        from wigwag.evaluate.vocabulary import check_vocabulary
+        from wigwag.evaluate.vocabulary import check_model, check_vocabulary
         from wigwag.evaluate.vocabulary_pictures import draw_report
 
         console = wide_console()
         name = "wigwag vocabulary check" + (f" {shlex.quote(str(self.clips))}" if self.clips else "")
         records = Records(self.json, command_line(name, replace(self, clips=None)), self.seed)
-        clips = self._clips(console)
         everyday = self._everyday()
-        with bar_of_steps(console) as bar:
-            report = check_vocabulary(clips, everyday, seed=self.seed, progress=bar("checking"))
+        clips: list[Clip] = []
+        if self.clips is not None and self.clips.is_file():
+            with bar_of_steps(console) as bar:
+                report = check_model(self.clips, everyday, seed=self.seed, progress=bar("checking"))
+        else:
+            clips = self._clips(console)
+            with bar_of_steps(console) as bar:
+                report = check_vocabulary(clips, everyday, seed=self.seed, progress=bar("checking"))
         for gesture in report.gestures:
             records.add(kind="gesture", protocol=report.protocol, **asdict(gesture))
         for pair in report.pairs:
             records.add(kind="pair", protocol=report.protocol, **asdict(pair))
         _say(console, report)
-        if self.out is not None:
+        if self.out is not None and clips:
             for path in draw_report(report, clips, self.out):
                 console.print(f"Picture: {path}")
         return 1 if report.too_alike else 0
@@ -75,11 +80,6 @@ class Vocabulary:
 
         if (self.clips is None) == (self.data is None):
             raise InputError("Give either a folder of clips or --data with UTD-MHAD's folder.")
-        if self.clips is not None and self.clips.is_file():
-            raise InputError(
-                f"{self.clips}: is a file. A vocabulary is checked by its examples, which a saved model does "
-                "not hold; give the folder of the clips that it was taught by."
-            )
         folder, data = self.clips, self.data
         loaded = (
             read(console, "UTD-MHAD", lambda bar: load_skeletons(data, progress=bar))
@@ -142,7 +142,7 @@ def _say(console: Console, report: VocabularyReport) -> None:
             console.print(f"[{colour}]{pair.first} and {pair.second}:[/] {say(pair)}", highlight=False)
     alike = len(report.too_alike)
     console.print(
-        f"{alike} pair(s) too alike, of {len(report.pairs)}; idle: {report.everyday_hours:.1f} h of everyday "
+        f"{alike} pair(s) too alike, of {len(report.pairs)}; idle: {report.everyday_hours:.2f} h of everyday "
         "movement.",
         highlight=False,
     )

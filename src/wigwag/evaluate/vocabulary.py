@@ -6,11 +6,12 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 
 from wigwag.datasets.recording import Recording
-from wigwag.errors import InputError
+from wigwag.errors import InputError, ModelError
 from wigwag.evaluate.cases import bare
 from wigwag.evaluate.showings import between_rests, left_out
 from wigwag.evaluate.stream.lessons import Lesson
@@ -20,8 +21,9 @@ from wigwag.evaluate.stream.systems import system_of
 from wigwag.evaluate.stream.watch import Session, scene_at, watch, watched
 from wigwag.gesture import Gesture
 from wigwag.recognise import KernelRecognizer
-from wigwag.recognise.alike import Separation, separation
+from wigwag.recognise.alike import Separation, separation, separation_of
 from wigwag.skeleton import Clip
+from wigwag.stream.gesture_stream import StreamModel
 
 Progress = Callable[[str, int, int], None]
 """Called with (what, done, total)."""
@@ -155,11 +157,68 @@ def check_vocabulary(
     listener = teach(Lesson(list(clips), background=background, seed=seed))
     lives = [*simulated_everyday(20, "test", seed), *everyday]
     idle = [watch(listener, recording) for recording in lives]
-    pairs = [_pair(a, b, named, apart, rules) for a, b in combinations(labels, 2)]
-    pairs.sort(key=lambda p: (-(p.confused or 0) - (p.nearer or 0), p.ratio or np.inf))
-    gestures = [_gesture(label, clips, sessions, idle, rules) for label in labels]
+    pairs = _sorted([_pair(a, b, named, apart, rules) for a, b in combinations(labels, 2)])
+    gestures = []
+    for label in labels:
+        examples = [clip for clip in clips if clip.label == label]
+        people = len({clip.subject for clip in examples})
+        gestures.append(_gesture(label, len(examples), people, sessions, idle, rules))
     hours = sum(s.duration_s for s in idle) / 3600
     return VocabularyReport(protocol, pairs, gestures, hours, _lookalikes(gestures, lives, idle))
+
+
+def check_model(
+    path: Path,
+    everyday: Sequence[Recording] = (),
+    rules: Rules | None = None,
+    *,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> VocabularyReport:
+    """Examine the vocabulary of a saved model, as far as that goes without the clips that taught it.
+
+    Pairs are judged by the distances between the model's examples, whoever shows them; how often a gesture
+    is named while nobody shows it, by the model itself, where it is one that hears streams. Nothing can be
+    left out, so that what is missed or comes late is not known, and there is nothing to draw.
+
+    Args:
+        path: What :meth:`StreamModel.save` or :meth:`KernelRecognizer.save` wrote.
+        everyday: As for :func:`check_vocabulary`.
+        rules: What is too much.
+        seed: Of simulated people.
+        progress: Called before each step.
+
+    Raises:
+        InputError: If there are less than two gestures.
+        ModelError: If the file is neither.
+    """
+    rules = rules or Rules()
+    idle: list[Session] = []
+    try:
+        model = StreamModel.load(path)
+    except ModelError as error:
+        try:
+            recogniser = KernelRecognizer.load(path)
+        except ModelError:
+            raise error from None
+        apart, protocol = separation(recogniser), "a saved recogniser of clips: its examples alone"
+    else:
+        known = model.prefixes
+        apart = separation_of(known.similar, known.numbers, known.labels, known.names)
+        protocol = "a saved stream model: its examples, and what it says of everyday movement"
+        lives = [*simulated_everyday(20, "test", seed), *everyday]
+        listener = model.stream()
+        for number, recording in enumerate(lives):
+            if progress is not None:
+                progress("everyday movements", number, len(lives))
+            idle.append(watch(listener, recording))
+    labels = sorted(apart.classes)
+    if len(labels) < 2:
+        raise InputError(f"A vocabulary needs two gestures or more, but got {labels}.")
+    pairs = _sorted([_pair(a, b, [], apart, rules) for a, b in combinations(labels, 2)])
+    counts = Counter(apart.classes[int(n)] for n in apart.numbers)
+    gestures = [_gesture(label, counts[label], 0, [], idle, rules) for label in labels]
+    return VocabularyReport(protocol, pairs, gestures, sum(s.duration_s for s in idle) / 3600)
 
 
 def _labels(clips: Sequence[Clip]) -> list[str]:
@@ -177,6 +236,10 @@ def _fitted(clips: Sequence[Clip], seed: int) -> tuple[KernelRecognizer, list[st
     people = [clip.subject for clip in clips]
     several = all(len({c.subject for c in clips if c.label == label}) > 1 for label in recogniser.classes_)
     return recogniser, people if several and None not in people else None
+
+
+def _sorted(pairs: list[PairFinding]) -> list[PairFinding]:
+    return sorted(pairs, key=lambda p: (-(p.confused or 0) - (p.nearer or 0), p.ratio or np.inf))
 
 
 def _pair(
@@ -198,8 +261,13 @@ def _pair(
     return PairFinding(first, second, confused, nearer, ratio, verdict, apart.closest(first, second))
 
 
-def _gesture(
-    label: str, clips: Sequence[Clip], sessions: Sequence[Session], idle: Sequence[Session], rules: Rules
+def _gesture(  # noqa: PLR0917  # all that is known of it
+    label: str,
+    examples: int,
+    people: int,
+    sessions: Sequence[Session],
+    idle: Sequence[Session],
+    rules: Rules,
 ) -> GestureFinding:
     mine = [s for s in sessions if s.marks[0].label == label]
     answered = [pair for s in mine for pair in match_by_decision(watched(s)).found]
@@ -219,11 +287,10 @@ def _gesture(
         verdicts.append("is often missed")
     if early == 0.0:
         verdicts.append("is never decided early")
-    examples = [clip for clip in clips if clip.label == label]
     return GestureFinding(
         label,
-        len(examples),
-        len({clip.subject for clip in examples}),
+        examples,
+        people,
         len(mine),
         found,
         early,
@@ -267,5 +334,5 @@ def _lookalikes(
 
 
 __all__ = [
-    "GestureFinding", "PairFinding", "Rules", "VocabularyReport", "check_vocabulary",
+    "GestureFinding", "PairFinding", "Rules", "VocabularyReport", "check_model", "check_vocabulary",
 ]  # fmt: skip

@@ -10,6 +10,7 @@ from jaxtyping import Float, Int
 
 from wigwag.errors import InputError
 from wigwag.recognise.kernel import KernelRecognizer
+from wigwag.recognise.similarity import Similarities
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,40 +50,63 @@ class Separation:
 
 
 def separation(recogniser: KernelRecognizer, people: Sequence[str | None] | None = None) -> Separation:
-    """Compare every example of a gesture with every other.
+    """Compare every example of a recogniser's gestures with every other.
 
     Args:
         recogniser: Fitted or loaded; its examples of no gesture are left aside.
-        people: Who shows each of its examples, in the order in which they were learned: those of other people
-            alone are compared then. ``None``: all others.
+        people: Who shows each of its examples, in the order in which they were learned: those of other
+            people alone are compared then. ``None``: all others.
 
     Raises:
         InputError: If there are not as many people as examples.
         NotFittedError: If it is not fitted.
     """
-    distances = recogniser.example_distances().astype(np.float64)
-    if people is not None and len(people) != len(distances):
+    similar = recogniser.similarities
+    return separation_of(
+        similar, recogniser.numbers_, recogniser.classes_.tolist(), recogniser.names_, people
+    )
+
+
+def separation_of(
+    similar: Similarities,
+    numbers: Int[np.ndarray, " examples"],
+    classes: Sequence[str],
+    names: Sequence[str],
+    people: Sequence[str | None] | None = None,
+) -> Separation:
+    """Compare every reference with every other.
+
+    Args:
+        similar: With references.
+        numbers: Which class each shows; below 0: none.
+        classes: What the classes are called.
+        names: What the references are called.
+        people: As for :func:`separation`.
+
+    Raises:
+        InputError: If there are not as many people as references.
+    """
+    references = similar.references
+    if people is not None and len(people) != len(references):
         raise InputError(
-            f"Expected who shows each of {len(distances)} examples, but got {len(people)} people."
+            f"Expected who shows each of {len(references)} examples, but got {len(people)} people."
         )
+    distances = np.stack([similar.relative(similar.distances(s)).sum(axis=1) for s in references])
+    distances = distances.astype(np.float64)
     np.fill_diagonal(distances, np.inf)
     if people is not None:
-        known = np.array(
-            [person if person is not None else f"example {i}" for i, person in enumerate(people)]
-        )
+        known = np.array([f"example {i}" if person is None else person for i, person in enumerate(people)])
         distances[known[:, None] == known[None, :]] = np.inf
-    kept = np.flatnonzero(recogniser.numbers_ >= 0)
-    numbers = recogniser.numbers_[kept]
+    kept = np.flatnonzero(numbers >= 0)
+    shown = numbers[kept]
     among = distances[np.ix_(kept, kept)]
-    count = len(recogniser.classes_)
-    nearest = np.full((len(kept), count), np.inf)
-    neighbour = np.zeros((len(kept), count), dtype=np.int64)
-    for number in range(count):
-        columns = np.flatnonzero(numbers == number)
+    nearest = np.full((len(kept), len(classes)), np.inf)
+    neighbour = np.zeros((len(kept), len(classes)), dtype=np.int64)
+    for number in range(len(classes)):
+        columns = np.flatnonzero(shown == number)
         nearest[:, number] = among[:, columns].min(axis=1)
         neighbour[:, number] = columns[among[:, columns].argmin(axis=1)]
-    names = tuple(recogniser.names_[int(i)] for i in kept)
-    return Separation(tuple(str(c) for c in recogniser.classes_), numbers, names, nearest, neighbour)
+    return Separation(tuple(classes), shown, tuple(names[int(i)] for i in kept), nearest, neighbour)
 
 
-__all__ = ["Separation", "separation"]
+__all__ = ["Separation", "separation", "separation_of"]

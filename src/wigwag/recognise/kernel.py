@@ -242,15 +242,15 @@ class KernelRecognizer(Classifier):
             return Gesture(None, sure, first, last, last, reason)
         return Gesture(label, sure, first, last, last, account)
 
-    def example_distances(self) -> Float[np.ndarray, "examples examples"]:
-        """Return how far the examples lie from each other, in usual distances, summed over the views.
+    @property
+    def similarities(self) -> Similarities:
+        """The comparison with its examples that it decides by.
 
         Raises:
             NotFittedError: Before ``fit``.
         """
         self._check_fitted()
-        similar = self._similar
-        return np.stack([similar.relative(similar.distances(s)).sum(axis=1) for s in similar.references])
+        return self._similar
 
     def _scores(self, clips: Sequence[Clip]) -> Float[np.ndarray, "clips classes+1"]:
         self._check_fitted()
