@@ -72,7 +72,7 @@ def test_a_saved_stream_model_also_hears_everyday_life(
     file = tmp_path / "stream.wigwag"
     teach_stream(GOOD).save(file)
     assert run(["vocabulary", "check", str(file), "--json", str(tmp_path / "found.json")]) == 0
-    assert "0.05 h of everyday movement" in " ".join(capsys.readouterr().out.split())
+    assert "0.04 h of everyday movement" in " ".join(capsys.readouterr().out.split())
     gesture = json.loads((tmp_path / "found.json").read_text())[0]
     assert gesture["label"] == "a1" and gesture["examples"] > 0 and gesture["found"] is None
 
