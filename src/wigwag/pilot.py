@@ -18,7 +18,9 @@ from wigwag.fly.supervisor import Action, Mode, Situation, Supervisor, Superviso
 from wigwag.fly.values import HOVER, Command, Setpoint, VehicleState
 from wigwag.gesture import Gesture
 from wigwag.skeleton import Pose
-from wigwag.stream.spot import Recogniser, SpotConfig, Spotter
+from wigwag.stream.gesture_stream import StreamModel
+from wigwag.stream.listener import Listener, listening
+from wigwag.stream.spot import Recogniser, SpotConfig
 from wigwag.vehicles.protocol import FlightMode, Vehicle
 
 
@@ -69,7 +71,7 @@ class Pilot:
 
     Args:
         pose: Finds the operator in a frame.
-        recogniser: Names clips.
+        recogniser: A model of streams, or what names whole clips.
         vehicle: What is flown. One that hovers already is taken over as it is.
         commands: Which command each gesture label stands for; labels not listed command nothing.
         config: Everything that can be set.
@@ -79,7 +81,7 @@ class Pilot:
     def __init__(
         self,
         pose: PoseSource,
-        recogniser: Recogniser,
+        recogniser: StreamModel | Recogniser,
         vehicle: Vehicle,
         *,
         commands: Mapping[str, Command] | None = None,
@@ -89,7 +91,7 @@ class Pilot:
         self.config = config or PilotConfig()
         self.pose, self.vehicle, self.clock = pose, vehicle, clock
         self.commands = commands if commands is not None else {c.value: c for c in Command}
-        self.spotter = Spotter(recogniser, self.config.spot)
+        self.spotter: Listener = listening(recogniser, self.config.spot)
         self.track = OperatorTrack(self.config.track, self.config.mount)
         self.follow = FollowLaw(self.config.follow)
         self.movement = Movement(self.config.movement, self.config.goal)

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from wigwag.errors import InputError
-from wigwag.evaluate.tables import BEGIN, END, fill
+from wigwag.evaluate.tables import BEGIN, END, fill, stream_table
 
 LIFT = {
     "landmark": "wrist", "median_abs_mm": 15.1, "bias_mm": 0.0, "beyond_150_mm": 0.034, "missing": 0.001,
@@ -39,6 +39,40 @@ def test_an_unknown_table_is_refused(tmp_path: Path) -> None:
     page.write_text(f"{BEGIN}\n{END}\n", "utf-8")
     with pytest.raises(InputError, match="Available tables: demo, utd"):
         fill(page, {"nonsense": []})
+
+
+STREAM = {
+    "data": "utd-mhad", "system": "stream", "vocabulary": "6", "corrupt": None, "hours": 2.04,
+    "hours_distinct": 0.26, "events": 760, "event_f1": 0.9712, "action_point_f1": None,
+    "detection_rate": 0.956, "false_commands_per_hour": 0.98, "false_commands_ci95": [0.0, 14.2], "twins": 0,
+    "false_commands_per_hour_with_twins": 0.98, "jaccard": 0.91, "delay_from_end_s_median": -0.21,
+    "decided_before_end": 0.61, "share_seen_median": 0.874, "ms_per_pose_mean": 0.312,
+}  # fmt: skip
+COST = {
+    "data": "cost", "system": "stream", "gestures": 30, "ms_per_pose_mean": 0.41, "ms_per_pose_p99": 1.73,
+    "ms_per_pose_max": 9.0, "last_to_first_quarter": 1.01, "rss_mb": 411.2, "rss_growth_mb": 0.3,
+}  # fmt: skip
+
+
+def test_streams_faults_and_cost_have_tables_of_their_own() -> None:
+    negative = STREAM | {
+        "data": "utkinect", "events": 0, "event_f1": None, "detection_rate": None, "jaccard": None,
+        "delay_from_end_s_median": None, "decided_before_end": None, "share_seen_median": None, "twins": 3,
+        "false_commands_per_hour_with_twins": 2.4,
+    }  # fmt: skip
+    points = STREAM | {"data": "msrc12", "event_f1": None, "action_point_f1": 0.761, "jaccard": None}
+    faulty = STREAM | {"corrupt": "gap", "f1_lost": 0.04, "false_commands_more": 2, "exceptions": 0}
+    text = stream_table([STREAM, negative, points, faulty, COST])
+    head = "| stream | utd-mhad | 6 | 2.0 (0.3) | 760 | 0.971 | 95.6 | 1.0 (0.0 to 14.2) | 0.910 |"
+    assert head + " -0.21 | 61 | 87 | 0.31 |" in text
+    assert (
+        "| utkinect | 6 | 2.0 (0.3) |  |  |  | 1.0 (0.0 to 14.2); 2.4 with twins |  |  |  |  | 0.31 |" in text
+    )
+    assert "| msrc12 | 6 | 2.0 (0.3) | 760 | 0.761 |" in text
+    assert "With faults:\n\n" in text and "| gap | 0.040 | +2 in 2.0 h | 0 |" in text
+    assert "| stream | 30 | 0.410 | 1.73 | 9.0 | 1.01 | 411 (+0.3) |" in text
+    assert "With faults" not in stream_table([STREAM])
+    assert stream_table([COST]).startswith("An hour without a break")
 
 
 def test_rejection_is_averaged_over_draws_and_nothing_else(tmp_path: Path) -> None:

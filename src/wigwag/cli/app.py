@@ -13,6 +13,7 @@ from wigwag.cli.benchmark import Benchmark
 from wigwag.cli.demo import Demo
 from wigwag.cli.doctor import Doctor
 from wigwag.cli.pose import PoseCommand
+from wigwag.cli.vocabulary import Vocabulary
 from wigwag.errors import WigwagError
 
 
@@ -28,6 +29,7 @@ Commands = (
     Annotated[Demo, tyro.conf.subcommand("demo")]
     | Annotated[Benchmark, tyro.conf.subcommand("benchmark")]
     | Annotated[PoseCommand, tyro.conf.subcommand("pose")]
+    | Annotated[Vocabulary, tyro.conf.subcommand("vocabulary")]
     | Annotated[Doctor, tyro.conf.subcommand("doctor")]
 )
 

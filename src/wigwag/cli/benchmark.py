@@ -17,6 +17,7 @@ from wigwag.cli.benchmark_link import LinkBenchmark
 from wigwag.cli.benchmark_operator import OperatorBenchmark
 from wigwag.cli.benchmark_pose import PoseBenchmark
 from wigwag.cli.benchmark_reject import RejectBenchmark
+from wigwag.cli.benchmark_stream import StreamBenchmark
 from wigwag.cli.benchmark_transfer import TransferBenchmark
 from wigwag.cli.benchmark_utd_mhad import UtdMhadBenchmark
 
@@ -39,6 +40,7 @@ class Benchmark:
             | Annotated[LinkBenchmark, tyro.conf.subcommand("link")]
             | Annotated[OperatorBenchmark, tyro.conf.subcommand("operator")]
             | Annotated[TransferBenchmark, tyro.conf.subcommand("transfer")]
+            | Annotated[StreamBenchmark, tyro.conf.subcommand("stream")]
         ]
     ]
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress
 
-    from wigwag.evaluate.lessons import Teachable
+    from wigwag.evaluate.lessons import InStreams
     from wigwag.evaluate.session import Session
     from wigwag.pose.estimator import PoseEstimator
     from wigwag.view.report import Still
@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 START_M = 5.6
 """How far off the operator stands when the drone is on the ground: from nearer, a level camera down there
 does not see raised hands."""
+
+HOVER_M = 4.0
+"""How far off they stand when it hovers already."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +51,10 @@ class Demo:
     """Which recogniser decides: wigwag's own, or one of the paper's two."""
     film: bool = True
     """Write demo.mp4."""
+    idle: bool = False
+    """The operator walks, turns and fidgets and commands nothing; the drone hovers from the beginning."""
+    duration: float = 600.0
+    """Seconds of that."""
 
     def run(self) -> int:
         """Teach, fly, judge, report; return 0."""
@@ -58,6 +65,8 @@ class Demo:
             raise InputError(
                 f"--seed must be from 0 to 999999, but got {self.seed}; above are training people."
             )
+        if self.idle and self.motion != "gestures":
+            raise InputError("--idle is for --motion gestures: what recorded people show are gestures.")
         began = time.monotonic()
         try:
             self.out.mkdir(parents=True, exist_ok=True)
@@ -81,6 +90,7 @@ class Demo:
 
     def _fly_procedural(self, console: Console) -> dict[str, Any]:
         from wigwag.evaluate.lessons import teach_procedural, warm_up
+        from wigwag.stream.listener import listening
 
         with tempfile.TemporaryDirectory() as folder:
             model = Path(folder) / "demo.wigwag"
@@ -95,7 +105,7 @@ class Demo:
                     session = self._procedural_session(estimator)
                     clips = taught.result()
             recogniser = load_recogniser(self.recognizer, model)
-        session.pilot.spotter.recogniser = recogniser
+        session.pilot.spotter = listening(recogniser)
         stills = fly(session, estimator, console, self.out / "demo.mp4" if self.film else None)
         summary = account_of(session, self, {"clips_taught": clips})
         write(self, session, summary, stills)
@@ -104,6 +114,7 @@ class Demo:
     def _procedural_session(self, estimator: PoseEstimator) -> Session:
         from wigwag.evaluate.session import Session
         from wigwag.pilot import Pilot
+        from wigwag.sim.idle import plan_idle
         from wigwag.sim.motion import Operator
         from wigwag.sim.paint import Look
         from wigwag.sim.person import Person
@@ -112,9 +123,14 @@ class Demo:
         from wigwag.sim.world import World, WorldConfig
 
         person = Person.random(self.seed)
-        script = plan_session(person, self.seed, ScriptConfig(engage=True))
-        operator = Operator(person, script, position_m=(START_M, 0.0), seed=self.seed)
-        config = WorldConfig(quadrotor=QuadrotorConfig(position_m=(0.0, 0.0, 0.0)))
+        if self.idle:
+            script = plan_idle(person, self.seed, self.duration, ScriptConfig(radius_m=1.2, engage=True))
+            operator = Operator(person, script, position_m=(HOVER_M, 0.0), seed=self.seed)
+            config = WorldConfig()
+        else:
+            script = plan_session(person, self.seed, ScriptConfig(engage=True))
+            operator = Operator(person, script, position_m=(START_M, 0.0), seed=self.seed)
+            config = WorldConfig(quadrotor=QuadrotorConfig(position_m=(0.0, 0.0, 0.0)))
         world = World(config, self.seed, operator, Look.from_seed(self.seed, person.height_m))
         pilot = Pilot(estimator, Untaught(), world.vehicle)
         return Session(world, pilot, script)
@@ -135,11 +151,11 @@ def pose_estimator() -> PoseEstimator:
     return PoseEstimator()
 
 
-def load_recogniser(name: str, model: Path) -> Teachable:
-    """Read a taught recogniser."""
-    from wigwag.evaluate.lessons import RECOGNISERS
+def load_recogniser(name: str, model: Path) -> InStreams:
+    """Read what was taught to hear a stream."""
+    from wigwag.evaluate.lessons import IN_STREAMS
 
-    return RECOGNISERS[name].load(model)
+    return IN_STREAMS[name].load(model)
 
 
 def fly(session: Session, estimator: PoseEstimator, console: Console, film: Path | None) -> list[Still]:
@@ -203,6 +219,7 @@ def account_of(session: Session, demo: Demo, extra: dict[str, Any] | None = None
         "motion": demo.motion,
         "seed": demo.seed,
         "recognizer": demo.recognizer,
+        "idle": demo.idle,
         **figures,
         "duration_s": round(session.script.duration_s, 1),
         "rss_mb": peak_mb(),

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from jaxtyping import Float
 
 from wigwag.evaluate.utd_mhad import Result
 from wigwag.features.canonical import CanonicalForm
@@ -96,15 +97,26 @@ def _nearest(shown: Clip, others: Sequence[Clip], label: str, form: CanonicalFor
 def _strip(axes: Axes, clip: Clip, form: CanonicalForm) -> None:
     """Draw a movement's moments side by side; the person's left is light, their right dark."""
     for moment, joints in enumerate(form.apply(clip).joints):
-        for start, stop in BONES:
-            ends = {start, stop}
-            color = "tab:orange" if ends & _LEFT else "tab:blue" if ends & _RIGHT else "0.4"
-            x, y = joints[[start, stop], 0] + 2.2 * moment, -joints[[start, stop], 1]
-            axes.plot(x, y, color=color, linewidth=2, solid_capstyle="round")
-        head = joints[Landmark.NOSE]
-        axes.plot(head[0] + 2.2 * moment, -head[1], "o", color="0.4", markersize=7)
+        draw_figure(axes, joints, 2.2 * moment)
     axes.set_aspect("equal")
     axes.axis("off")
 
 
-__all__ = ["confused_pairs", "draw_confused"]
+def draw_figure(axes: Axes, joints: Float[np.ndarray, "13 3"], right: float) -> None:
+    """Draw one moment as a stick figure; the person's left is orange, their right blue.
+
+    Args:
+        axes: Where.
+        joints: Any unit, y down, facing the camera.
+        right: How far to the right of the axes' origin the person stands, in the same unit.
+    """
+    for start, stop in BONES:
+        ends = {start, stop}
+        color = "tab:orange" if ends & _LEFT else "tab:blue" if ends & _RIGHT else "0.4"
+        x, y = joints[[start, stop], 0] + right, -joints[[start, stop], 1]
+        axes.plot(x, y, color=color, linewidth=2, solid_capstyle="round")
+    head = joints[Landmark.NOSE]
+    axes.plot(head[0] + right, -head[1], "o", color="0.4", markersize=7)
+
+
+__all__ = ["confused_pairs", "draw_confused", "draw_figure"]

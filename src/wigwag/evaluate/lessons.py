@@ -13,8 +13,11 @@ from threadpoolctl import threadpool_limits
 from wigwag.recognise import EncodedRecognizer, HeavyRecognizer, KernelRecognizer
 from wigwag.sim.clips import Session, cut, training_sessions
 from wigwag.skeleton import Clip
+from wigwag.stream.gesture_stream import StreamConfig, StreamModel
 from wigwag.stream.segment import Segment
 from wigwag.stream.spot import SpotConfig, background
+from wigwag.stream.teach import teach_stream
+from wigwag.stream.truth import LabelledStream, Showing
 
 Teachable = HeavyRecognizer | EncodedRecognizer | KernelRecognizer
 
@@ -23,6 +26,15 @@ RECOGNISERS: dict[str, type[HeavyRecognizer] | type[EncodedRecognizer] | type[Ke
     "heavy": HeavyRecognizer,
     "encoded": EncodedRecognizer,
 }
+
+InStreams = StreamModel | HeavyRecognizer | EncodedRecognizer
+
+IN_STREAMS: dict[str, type[StreamModel] | type[HeavyRecognizer] | type[EncodedRecognizer]] = {
+    "kernel": StreamModel,
+    "heavy": HeavyRecognizer,
+    "encoded": EncodedRecognizer,
+}
+"""What hears a stream, by the recogniser's name."""
 
 _IN_FLIGHT: dict[str, dict[str, Any]] = {"kernel": {"origin": "drift", "preset": "fast", "copies": 1}}
 """Settings for a camera that moves, and for teaching while the user waits. On recorded people of the training
@@ -80,12 +92,45 @@ def teach_procedural(model: Path, recognizer: str = "kernel", config: LessonConf
     """Teach the ten commands by simulated training people and save the recogniser.
 
     Returns:
-        How many clips were taught.
+        How many were taught.
     """
     config = config or LessonConfig()
-    return teach(
-        lessons(training_sessions(config.people, config.repetitions, config.seed), config), model, recognizer
-    )
+    sessions = training_sessions(config.people, config.repetitions, config.seed)
+    return teach_in_streams(sessions, model, recognizer, config)
+
+
+def labelled(session: Session) -> LabelledStream:
+    """Return a session with what is shown in it, commands and others by name."""
+    showings = (Showing(s.label, round(s.start_s * 1e9), round(s.end_s * 1e9)) for s in session.shown)
+    return LabelledStream(session.stream, tuple(showings))
+
+
+def teach_in_streams(
+    sessions: Sequence[Session],
+    model: Path,
+    recognizer: str = "kernel",
+    config: LessonConfig | None = None,
+) -> int:
+    """Teach what hears the demo's stream and save it.
+
+    Args:
+        sessions: Of training people; what they show beside commands is known by name and kept silent.
+        model: Where to.
+        recognizer: ``"kernel"``: a stream model; ``"heavy"``, ``"encoded"``: a recogniser of clips.
+        config: How much is taught of what is no gesture, for a recogniser of clips.
+
+    Returns:
+        How many showings, or clips, were taught.
+    """
+    config = config or LessonConfig()
+    if recognizer != "kernel":
+        return teach(lessons(sessions, config), model, recognizer)
+    commands = sorted({s.label for session in sessions for s in session.shown if s.is_command})
+    with threadpool_limits(1):
+        streams = [labelled(session) for session in sessions]
+        settings = StreamConfig(commands=tuple(commands))
+        teach_stream((), (), streams, settings, config.seed, origin="drift").save(model)
+    return sum(len(session.shown) for session in sessions)
 
 
 def teach(clips: Sequence[Clip], model: Path, recognizer: str = "kernel", seed: int = 0) -> int:

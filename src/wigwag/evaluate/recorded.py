@@ -9,9 +9,9 @@ import numpy as np
 
 from wigwag.datasets.utd_mhad import RATE_HZ, load_raw20, load_skeletons
 from wigwag.errors import DataError
-from wigwag.evaluate.lessons import LessonConfig, lessons, teach
+from wigwag.evaluate.lessons import LessonConfig, teach, teach_in_streams
 from wigwag.fly.values import Command
-from wigwag.sim.clips import SensorConfig, watch
+from wigwag.sim.clips import SensorConfig, cut, watch
 from wigwag.sim.person import Person
 from wigwag.sim.recorded import Replay, replay
 from wigwag.sim.script import ScriptConfig, plan_replays
@@ -82,6 +82,6 @@ def teach_recorded(
         script = plan_replays(items, config.seed, ScriptConfig(walk_share=0.3))
         rng = np.random.default_rng([0xACED, config.seed, int(subject[1:])])
         sessions.append(watch(person, script, SensorConfig(), rng))
-    clips = lessons(sessions, config)
+    clips = [clip for session in sessions for clip in cut(session, seed=config.seed)]
     teach([clip for clip in clips if clip.label in COMMANDS], six_classes, recognizer)
-    return teach(clips, model, recognizer)
+    return teach_in_streams(sessions, model, recognizer, config)

@@ -242,6 +242,16 @@ class KernelRecognizer(Classifier):
             return Gesture(None, sure, first, last, last, reason)
         return Gesture(label, sure, first, last, last, account)
 
+    @property
+    def similarities(self) -> Similarities:
+        """The comparison with its examples that it decides by.
+
+        Raises:
+            NotFittedError: Before ``fit``.
+        """
+        self._check_fitted()
+        return self._similar
+
     def _scores(self, clips: Sequence[Clip]) -> Float[np.ndarray, "clips classes+1"]:
         self._check_fitted()
         check_clips(clips)

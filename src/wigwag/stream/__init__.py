@@ -1,1 +1,1 @@
-"""Poses without end become clips: segmentation by motion, and spotting."""
+"""Poses without end become gestures: spotting, early decision, and what is no gesture."""

@@ -77,6 +77,7 @@ class Spotter:
         """Forget the stream, as when another person takes over."""
         self.segmenter.reset()
         self._best = self._refused = None
+        self._spoken_ns = 0
 
     def _name(self, segment: Segment) -> None:
         if segment.onset_ns < self._spoken_ns - int(self.config.overlap_s * 1e9):

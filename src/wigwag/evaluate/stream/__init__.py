@@ -1,0 +1,1 @@
+"""Streams of poses become commands: assembled truth, metrics, what is judged, and how it is disturbed."""

@@ -1,0 +1,267 @@
+"""What is learned from streams: what gestures look like while they are shown, and how sure to be of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from wigwag.recognise.similarity import Sides
+from wigwag.skeleton import Clip, Pose
+from wigwag.stream.assemble import at_rate
+from wigwag.stream.config import StreamConfig
+from wigwag.stream.gesture_stream import StreamModel
+from wigwag.stream.prefix import NOTHING, Memory, PrefixModel, Shares
+from wigwag.stream.rehearse import Rehearsal, choose, limits_of
+from wigwag.stream.sureness import Sureness
+from wigwag.stream.ticks import RATE_HZ
+from wigwag.stream.truth import LabelledStream, Meaning, Showing, meaning, with_onsets
+from wigwag.stream.watcher import Hypothesis, WatchConfig, Watcher
+
+Origin = Literal["start", "drift"]
+
+_MOST_FOLDS = 4
+_MOST_REFERENCES = 400
+_MOST_GESTURES = 8000
+_MOST_NOTHING = 10000
+_MOST_LOOKS = 100_000
+"""How many references there are, how many stretches are learned from, and how many are judged: what the
+time of a decision, and of teaching, is bounded by."""
+
+
+@dataclass(slots=True)
+class Looked:
+    """One hypothesis of a training stream."""
+
+    hypothesis: Hypothesis
+    meaning: Meaning
+    sides: Sides
+
+
+class Lesson:
+    """Streams that are taught by.
+
+    Args:
+        streams: With their truth.
+        origin: Of the canonical form.
+        seed: Of what is drawn.
+    """
+
+    def __init__(self, streams: Sequence[LabelledStream], origin: Origin = "start", seed: int = 0) -> None:
+        self.streams = list(streams)
+        self.rng = np.random.default_rng([0x1E55, seed])
+        self.seed = seed
+        self.model = PrefixModel(origin)
+        self.truth: list[tuple[Showing, ...]] = []
+        for one in self.streams:
+            showings = one.showings
+            if any(showing.is_point for showing in showings):
+                showings = with_onsets(showings, [h for h, _ in watch(one.stream)])
+            self.truth.append(showings)
+        self.fold = self._folds()
+
+    def learn(self, config: StreamConfig) -> StreamModel:
+        """Teach everything."""
+        owners = self._refer()
+        looked = [self._look(number) for number in range(len(self.streams))]
+        self._teach(looked, owners)
+        rehearsals = self._rehearse(looked, owners, config)
+        typical = self._typical(rehearsals)
+        for one in rehearsals:
+            one.signs[:, 4] += np.log(typical[one.decided])
+        self.model.typical = typical
+        sureness, probabilities = self._be_sure(rehearsals)
+        thresholds = choose(rehearsals, probabilities, self.model.labels, config)
+        self.model.limits = limits_of(rehearsals, len(self.model.labels))
+        return StreamModel(self.model, sureness, thresholds, config)
+
+    def _folds(self) -> Int[np.ndarray, " streams"]:
+        """Part streams by people into those that are left out together."""
+        folds = np.zeros(len(self.streams), dtype=np.int64)
+        for with_gestures in (True, False):
+            mine = [i for i, truth in enumerate(self.truth) if bool(truth) == with_gestures]
+            people = sorted({str(self.streams[i].stream.subject) for i in mine})
+            for i in mine:
+                folds[i] = people.index(str(self.streams[i].stream.subject)) % _MOST_FOLDS
+        return folds
+
+    def _refer(self) -> Int[np.ndarray, " references"]:
+        """Choose references, evenly over gestures and people; return the fold that each belongs to."""
+        found: dict[str, list[tuple[Clip, int]]] = {}
+        for number in self.rng.permutation(len(self.streams)):
+            stream, fold = self.streams[number].stream, int(self.fold[number])
+            for showing in self.truth[number]:
+                clip = _between(stream, showing)
+                if clip is not None:
+                    found.setdefault(showing.label, []).append((clip, fold))
+        each = max(_MOST_REFERENCES // max(len(found), 1), 1)
+        chosen: list[tuple[Clip, int]] = []
+        for label in sorted(found):
+            shuffled = [found[label][int(i)] for i in self.rng.permutation(len(found[label]))]
+            chosen += _distinct(shuffled, each)
+        self.model.refer_to([clip for clip, _ in chosen], [str(clip.label) for clip, _ in chosen])
+        return np.array([fold for _, fold in chosen])
+
+    def _look(self, number: int) -> list[Looked]:
+        """Watch one stream."""
+        truth = self.truth[number]
+        return [
+            Looked(h, meaning(h, truth), [side.astype(np.float16) for side in self.model.sides(clip)])
+            for h, clip in watch(self.streams[number].stream)
+        ]
+
+    def _number(self, stream: int, one: Looked) -> int:
+        if one.meaning.showing is None:
+            return NOTHING
+        return self.model.labels.index(self.truth[stream][one.meaning.showing].label)
+
+    def _teach(self, looked: Sequence[list[Looked]], owners: Int[np.ndarray, " references"]) -> None:
+        """Learn from some of all stretches, with all people and with each fold left out."""
+        gestures: list[tuple[int, int]] = []
+        nothing: list[tuple[int, int]] = []
+        for stream, looks in enumerate(looked):
+            for i, one in enumerate(looks):
+                if not one.meaning.doubtful:
+                    (nothing if one.meaning.showing is None else gestures).append((stream, i))
+        some = [gestures[int(i)] for i in self.rng.permutation(len(gestures))[:_MOST_GESTURES]]
+        some += [nothing[int(i)] for i in self.rng.permutation(len(nothing))[:_MOST_NOTHING]]
+        numbers = np.array([self._number(s, looked[s][i]) for s, i in some])
+        progress = np.array([looked[s][i].meaning.progress for s, i in some])
+        folds = self.fold[[s for s, _ in some]]
+        shares = Shares(len(self.model.numbers) * len(self.model.similar.kinds), len(self.model.labels))
+        for fold in range(_MOST_FOLDS):
+            rows = np.flatnonzero(folds == fold)
+            features = self._features([looked[some[r][0]][some[r][1]] for r in rows])
+            shares.add(features, numbers[rows], progress[rows])
+        self.model.weights = shares.solve()
+        views = len(self.model.similar.kinds)
+        self.without = {
+            fold: shares.solve(fold, np.repeat(owners != fold, views))
+            for fold in range(_MOST_FOLDS)
+            if (owners != fold).any()
+        }
+
+    def _features(self, looks: Sequence[Looked]) -> Float[np.ndarray, "rows features"]:
+        similar = self.model.similar
+        if not looks:
+            return np.empty((0, len(self.model.numbers) * len(similar.kinds)), dtype=np.float32)
+        distances = np.stack([similar.distances(_full(one.sides)) for one in looks])
+        return similar.features(distances)
+
+    def _rehearse(
+        self, looked: Sequence[list[Looked]], owners: Int[np.ndarray, " references"], config: StreamConfig
+    ) -> list[Rehearsal]:
+        """Look at every stream with what others have taught."""
+        rehearsals, left = [], _MOST_LOOKS
+        for stream in self._order(config):
+            looks, fold = looked[stream], int(self.fold[stream])
+            if not looks or left <= 0 or fold not in self.without:
+                continue
+            left -= len(looks)
+            memory = Memory.empty()
+            allowed, weights = owners != fold, self.without[fold]
+            decided, signs = np.empty(len(looks), dtype=np.int64), []
+            for i, one in enumerate(looks):
+                distances = self.model.similar.distances(_full(one.sides))
+                scores = (self.model.similar.features(distances) @ weights).astype(np.float64)
+                found = self.model.evidence(one.hypothesis, distances, scores, memory, allowed)
+                decided[i] = found[0]
+                signs.append(found[1])
+            right = np.array([self._number(stream, one) == d for one, d in zip(looks, decided, strict=True)])
+            rehearsals.append(
+                Rehearsal(
+                    fold,
+                    self.truth[stream],
+                    self.streams[stream].stream.duration_s,
+                    [one.hypothesis for one in looks],
+                    np.stack(signs),
+                    decided,
+                    right,
+                    np.array([one.meaning.doubtful for one in looks]),
+                )
+            )
+        return rehearsals
+
+    def _order(self, config: StreamConfig) -> list[int]:
+        """Order streams: those with commands first, then those without gestures, then those with others."""
+
+        def rank(stream: int) -> int:
+            labels = {showing.label for showing in self.truth[stream]}
+            spoken = labels if config.commands is None else labels & set(config.commands)
+            return 0 if spoken else 1 if not labels else 2
+
+        return sorted((int(i) for i in self.rng.permutation(len(self.streams))), key=rank)
+
+    def _typical(self, rehearsals: Sequence[Rehearsal]) -> Float[np.ndarray, " labels"]:
+        """Say how far the nearest example by another person usually is, a gesture."""
+        near: list[list[float]] = [[] for _ in self.model.labels]
+        for one in rehearsals:
+            for i in np.flatnonzero(one.right):
+                near[one.decided[i]].append(-float(one.signs[i, 4]))
+        usual = [float(np.median(logs)) if len(logs) >= 5 else np.nan for logs in near]
+        overall = float(np.nanmedian(usual)) if np.isfinite(usual).any() else 0.0
+        return np.asarray(np.exp(np.where(np.isfinite(usual), usual, overall)))
+
+    def _be_sure(self, rehearsals: Sequence[Rehearsal]) -> tuple[Sureness, list[np.ndarray]]:
+        """Learn how sure to be; and for choosing thresholds, how sure people left out of that make it."""
+
+        def fitted(kept: Sequence[Rehearsal], networks: int) -> Sureness:
+            signs = np.concatenate([one.signs[~one.doubtful] for one in kept])
+            right = np.concatenate([one.right[~one.doubtful] for one in kept])
+            return Sureness().fit(signs, right, self.seed, networks)
+
+        folds = sorted({one.fold for one in rehearsals})
+        probabilities: list[np.ndarray] = [np.empty(0)] * len(rehearsals)
+        whole = fitted(rehearsals, 3)
+        for fold in folds:
+            kept = [one for one in rehearsals if one.fold != fold]
+            sure = fitted(kept, 2) if kept else whole
+            for i, one in enumerate(rehearsals):
+                if one.fold == fold:
+                    probabilities[i] = sure.probability(one.signs)
+        return whole, probabilities
+
+
+def watch(stream: Clip, config: WatchConfig | None = None) -> Iterator[tuple[Hypothesis, Clip]]:
+    """Yield what is looked at in a stream, as it would be in flight."""
+    watcher, visibility = Watcher(config), np.ones(13)
+    for joints, stamp_ns in zip(stream.joints, stream.stamps_ns, strict=True):
+        hypothesis = watcher.update(Pose(joints, visibility, int(stamp_ns)))
+        if hypothesis is not None:
+            yield hypothesis, watcher.clip(hypothesis)
+
+
+def _full(sides: Sides) -> Sides:
+    return [side.astype(np.float32) for side in sides]
+
+
+def _between(stream: Clip, showing: Showing) -> Clip | None:
+    """Cut a gesture out of its stream, with a tenth of a second before it."""
+    low, high = np.searchsorted(stream.stamps_ns, [showing.onset_ns - 100_000_000, showing.end_ns + 1])
+    if high - low < 4:
+        return None
+    piece = Clip(stream.joints[low:high], stream.stamps_ns[low:high], showing.label, stream.subject, "piece")
+    at_s = showing.onset_ns * 1e-9
+    return Clip.at_rate(
+        at_rate(piece),
+        RATE_HZ,
+        showing.label,
+        stream.subject,
+        f"{showing.label} of {stream.subject} at {at_s:.1f} s",
+    )
+
+
+def _distinct(pieces: Sequence[tuple[Clip, int]], most: int) -> list[tuple[Clip, int]]:
+    """Take one piece of each person in turn, up to ``most``."""
+    queues: dict[str, list[tuple[Clip, int]]] = {}
+    for piece in pieces:
+        queues.setdefault(str(piece[0].subject), []).append(piece)
+    taken: list[tuple[Clip, int]] = []
+    while len(taken) < most and any(queues.values()):
+        for queue in queues.values():
+            if queue and len(taken) < most:
+                taken.append(queue.pop())
+    return taken

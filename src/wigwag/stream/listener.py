@@ -1,0 +1,33 @@
+"""Whoever hears a stream of poses: ``Listener``."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from wigwag.gesture import Gesture
+from wigwag.skeleton import Pose
+from wigwag.stream.gesture_stream import StreamModel
+from wigwag.stream.spot import Recogniser, SpotConfig, Spotter
+
+
+class Listener(Protocol):
+    """Takes poses without end, says gestures."""
+
+    def update(self, pose: Pose | None) -> Gesture | None:
+        """Take in the newest pose; return a gesture when one has been decided."""
+        ...
+
+    def reset(self) -> None:
+        """Forget the stream, as when another person takes over."""
+        ...
+
+
+def listening(taught: StreamModel | Recogniser, config: SpotConfig | None = None) -> Listener:
+    """Let what was taught hear a stream.
+
+    Args:
+        taught: A model of streams; or a recogniser of whole clips, which hears what a
+            :class:`~wigwag.stream.spot.Spotter` cuts out, once it is over.
+        config: The spotter's.
+    """
+    return taught.stream() if isinstance(taught, StreamModel) else Spotter(taught, config)

@@ -1,0 +1,60 @@
+"""When a look is spoken: sure enough, far enough, once."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from wigwag.errors import InputError
+from wigwag.stream.config import StreamConfig
+from wigwag.stream.speaker import Look, Speaker, Thresholds
+
+S = 10**9
+LOOK = Look("wave", 0.9, 0.8, 1 * S, 3 * S, resting=False, far=False, account="")
+
+
+def speaker(earliness: float = 0.6) -> Speaker:
+    return Speaker(StreamConfig(earliness=earliness), Thresholds(going_on=0.8, at_rest=0.6))
+
+
+def test_a_sure_look_is_spoken_once() -> None:
+    one = speaker()
+    assert one.hear(LOOK)
+    assert not one.hear(replace(LOOK, now_ns=round(3.2 * S), progress=0.9))
+
+
+def test_what_begins_after_it_is_heard_again() -> None:
+    one = speaker()
+    one.hear(LOOK)
+    assert LOOK.end_ns == round(3.5 * S)
+    assert one.hear(replace(LOOK, onset_ns=round(3.4 * S), now_ns=5 * S))
+
+
+@pytest.mark.parametrize(
+    ("change", "spoken"),
+    [
+        ({"probability": 0.79}, False),
+        ({"progress": 0.65}, False),
+        ({"far": True}, False),
+        ({"probability": 0.65, "resting": True}, True),
+        ({"progress": 0.5, "resting": True}, True),
+        ({"probability": 0.55, "resting": True}, False),
+    ],
+)
+def test_how_sure_and_how_far(change: dict[str, float | bool], spoken: bool) -> None:
+    assert speaker().hear(replace(LOOK, **change)) is spoken  # type: ignore[arg-type]
+
+
+def test_the_earlier_the_less_must_have_passed() -> None:
+    half = replace(LOOK, progress=0.55)
+    assert not speaker(0.6).hear(half)
+    assert speaker(1.0).hear(half)
+    assert not speaker(0.0).hear(LOOK)
+
+
+def test_settings_out_of_range() -> None:
+    with pytest.raises(InputError, match="earliness must be within 0 and 1"):
+        StreamConfig(earliness=1.5)
+    with pytest.raises(InputError, match="false_per_hour must be 0 or more"):
+        StreamConfig(false_per_hour=-1)
