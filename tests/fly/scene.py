@@ -126,7 +126,7 @@ def flying(
     scene.turns(2.0)
     if mode is Mode.HOLDING:
         scene.turn(Command.STOP)
-        scene.turns(3.0)
+        scene.turns(6.0)
     elif mode is Mode.EXECUTING:
         scene.turn(Command.UP)
         scene.turns(0.5)

@@ -55,8 +55,8 @@ move             .   .   .   .   X   X   X   .   .   .   .   .   .
 moved            .   .   .   .   .   F   .   .   .   .   .   .   .
 person_seen      .   .   .   .   .   .   .   F   .   .   .   .   .
 """
-"""A line an event, a column a mode: the letter of the mode that follows, and what the vehicle is asked; ``.``:
-nothing happens."""
+"""A line an event, a column a mode: the letter of the mode that follows, and what the vehicle is asked;
+``.``: nothing happens."""
 
 
 def expected() -> dict[tuple[Mode, Event], tuple[Mode, Action] | None]:
@@ -83,8 +83,8 @@ def usual(mode: Mode) -> tuple[Memory, Situation]:
         mode, NOW - 2 * S, NOW - S // 30, 0, *[NOW - S // 30] * 6, asked_ns=NOW - 3 * S
     )  # fmt: skip
     situation = Situation(
-        NOW, CRAFT.get(mode, Craft.AIRBORNE), NOW, NOW, (0.0, 0.0, 1.5), 0.0, 0.8, True, NOW, NOW, 4.0, 0.0, 0,
-        NOW - 60 * S, NOW, None, mode is Mode.EXECUTING,
+        NOW, CRAFT.get(mode, Craft.AIRBORNE), NOW, NOW, (0.0, 0.0, 1.5), 0.0, 0.8, True, NOW, NOW, 4.0, 0.0,
+        0, NOW - 60 * S, NOW, None, mode is Mode.EXECUTING,
     )  # fmt: skip
     if mode is Mode.LOST_PERSON:
         situation = replace(situation, pose_ns=NOW - 2 * S)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -34,18 +35,20 @@ class Goal:
 class FollowConfig:
     """Gains of the follow law. One set flies PX4, ArduCopter and the simulated quadrotor."""
 
-    bearing_gain_1_s: float = 2.2
-    distance_gain_1_s: float = 1.0
+    bearing_gain_1_s: float = 3.0
+    distance_gain_1_s: float = 1.5
     altitude_gain_1_s: float = 0.8
     velocity_delay_s: float = 0.30
     """From a velocity set-point to the motion (0.25 s on both autopilots, and its transport). The law answers
     where drone and operator will be after so long: which damps the distance."""
     yaw_delay_s: float = 0.17
     """From a yaw-rate set-point to the turn."""
+    max_speed_m_s: float = 1.5
+    """Horizontal."""
     max_acceleration_m_s2: float = 1.2
     """The velocity asked for changes no faster than this. To accelerate is to tilt, and to tilt a camera that
     is fixed to the drone: answering an operator's lunge with 2.5 m/s2 puts them out of the picture."""
-    max_jerk_m_s3: float = 6.0
+    max_jerk_m_s3: float = 10.0
     """Nor does its change begin or end more suddenly."""
     max_yaw_acceleration_rad_s2: float = 5.0
     rise_slack_m: float = 0.12
@@ -68,7 +71,9 @@ class FollowLaw:
         self._velocity = Smoother(c.max_acceleration_m_s2, c.max_jerk_m_s3)
         self._yaw_rate: float | None = None
         self._turned: deque[tuple[int, float]] = deque()
-        """Yaw rates asked for of late, that the heading may not show yet."""
+        """Turns asked for of late, that the heading may not show yet."""
+        self._flown: deque[tuple[int, Float[np.ndarray, " 3"]]] = deque()
+        """Ways asked for of late, world ENU, that the position may not show yet."""
         self._last_ns = 0
         self._level_m: float | None = None
         """Height of the operator's hips that goes with the goal's altitude."""
@@ -78,6 +83,7 @@ class FollowLaw:
         self._velocity.reset()
         self._yaw_rate = None
         self._turned.clear()
+        self._flown.clear()
 
     def level(self, hips_m: float) -> None:
         """Take the goal's altitude as meant for an operator whose hips are at this height."""
@@ -108,8 +114,13 @@ class FollowLaw:
     def places(
         self, track: OperatorTrack, state: VehicleState, now_ns: int
     ) -> tuple[Float[np.ndarray, " 3"], Float[np.ndarray, " 3"]]:
-        """Return where drone and operator will be when the vehicle answers, world ENU."""
-        return self._after(track, state, now_ns, self.config.velocity_delay_s)
+        """Return where drone and operator will be when the vehicle answers, world ENU.
+
+        The drone will have flown all that has been asked of it.
+        """
+        drone = state.position_m + _coming(self._flown, state.stamp_ns, self.config.velocity_delay_s)
+        operator = track.position_m(now_ns) + track.velocity_m_s * self.config.velocity_delay_s
+        return np.asarray(drone), np.asarray(operator)
 
     def _step_s(self, now_ns: int) -> float:
         """Return the time since the last set-point, as far as it is believed."""
@@ -139,10 +150,15 @@ class FollowLaw:
             + (config.distance_gain_1_s * (distance - goal.distance_m) - goal.receding_m_s) * ahead
             + goal.tangential_m_s * left
         )
+        speed = math.hypot(level[0], level[1])
+        if speed > config.max_speed_m_s:
+            level = level * (config.max_speed_m_s / speed)
         # eq. follow altitude: as high over the operator's hips as the goal is over the level they began at
         error = goal.altitude_m + self.rise(track) - float(drone[2])
         climb = config.altitude_gain_1_s * error + goal.climbing_m_s
-        return self._velocity(np.array([level[0], level[1], climb]), step_s)
+        velocity = self._velocity(np.array([level[0], level[1], climb]), step_s)
+        self._flown.append((now_ns, velocity * step_s))
+        return velocity
 
     def _wanted_yaw_rate(
         self, track: OperatorTrack, state: VehicleState, now_ns: int, step_s: float
@@ -150,10 +166,7 @@ class FollowLaw:
         config = self.config
         drone, operator = self._after(track, state, now_ns, config.yaw_delay_s)
         ahead, distance = _sight(drone, operator)
-        horizon_ns = state.stamp_ns - round(config.yaw_delay_s * 1e9)
-        while self._turned and self._turned[0][0] < horizon_ns:
-            self._turned.popleft()
-        coming = sum(turned for _, turned in self._turned)
+        coming = _coming(self._turned, state.stamp_ns, config.yaw_delay_s)
         # eq. follow bearing: yaw rate = k bearing + rotation of the line of sight; the bearing as it will be
         # once all is turned that has been asked for
         bearing = wrap(math.atan2(ahead[1], ahead[0]) - state.heading_rad - coming)
@@ -173,6 +186,14 @@ class FollowLaw:
             return 0.0
         rise = track.height_m - self._level_m
         return rise - min(max(rise, -self.config.rise_slack_m), self.config.rise_slack_m)
+
+
+def _coming(asked: deque[tuple[int, Any]], stamp_ns: int, delay_s: float) -> Any:
+    """Add up what was asked for and cannot be seen yet in a state of this stamp; forget what can."""
+    seen_ns = stamp_ns - round(delay_s * 1e9)
+    while asked and asked[0][0] < seen_ns:
+        asked.popleft()
+    return sum((part for _, part in asked), 0.0)
 
 
 def _sight(

@@ -74,8 +74,8 @@ class SupervisorConfig:
     """A landing that was shown for this long is confirmed; a shorter one holds, and has to be shown twice."""
     confirm_within_s: float = 8.0
     """The second showing comes within this time after the first."""
-    still_after_stop_s: float = 2.0
-    """After a stop nothing at all is sent for this long: the vehicle's own hold has it."""
+    still_after_hold_s: float = 2.0
+    """Asked to hold, the vehicle holds by itself: nothing at all is sent for this long."""
     respite_s: float = 5.0
     """A stop suspends a landing that nobody asked for, for this long."""
     arming_s: float = 5.0

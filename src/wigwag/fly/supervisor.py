@@ -144,7 +144,7 @@ def permit(
     if mode not in STEERED or now.craft is not Craft.AIRBORNE:
         return Permit(None)
     blind = person_lost(now, memory, limits) or state_stale(now, memory, limits)
-    if mode is Mode.HOLDING and (blind or age_s(now.now_ns, memory.stopped_ns) < limits.still_after_stop_s):
+    if mode is Mode.HOLDING and (blind or age_s(now.now_ns, memory.asked_ns) < limits.still_after_hold_s):
         # Once more to stand still, which is faster than a change of mode; then the vehicle holds by itself.
         return Permit(HOVER if memory.asked_ns == now.now_ns else None)
     if mode is Mode.LOST_PERSON or blind:
@@ -239,7 +239,7 @@ def _remembered(memory: Memory, now: Situation, row: Transition | None, mode: Mo
         changes["since_ns"] = stamp
     if row is not None and row.action is not Action.NONE:
         changes["asked_ns"] = stamp
-    if row is not None and row.event is Event.STOP:
+    if row is not None and row.event in (Event.STOP, Event.LAND_ASKED):
         changes["stopped_ns"] = stamp
     if row is not None and row.event is Event.MOVE:
         changes["since_ns"], changes["stopped_ns"] = stamp, None

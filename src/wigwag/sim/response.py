@@ -38,6 +38,8 @@ class ResponseConfig:
     yaw_dead_time_s: float = 0.08
     yaw_lag_s: float = 0.08
     """First-order lag of the rate of turning."""
+    telemetry_s: float = 0.04
+    """How old a state is when it is told."""
     drag: float = 0.0
     """Share of the wind that moves the vehicle before its loop answers."""
     position_m: tuple[float, float, float] = (0.0, 0.0, 1.5)
@@ -48,7 +50,7 @@ class ResponseConfig:
 
     def __post_init__(self) -> None:
         """Check what would make it unstable."""
-        times = (self.dead_time_s, self.yaw_dead_time_s)
+        times = (self.dead_time_s, self.yaw_dead_time_s, self.telemetry_s)
         limits = (self.natural_1_s, self.damping, self.max_acceleration_m_s2, self.max_jerk_m_s3)
         if min(times) < 0 or min(limits) <= 0 or not self.yaw_lag_s > 0:
             raise InputError(
@@ -101,6 +103,7 @@ class Response:
         self._rng = np.random.default_rng([seed, 0x2E5])
         self._home = np.array([config.position_m[0], config.position_m[1], 0.0])
         self._wander, self._heading_wander = np.zeros(3), 0.0
+        self._told: deque[VehicleState] = deque()
         self._believe(0.0)
 
     def step(self, setpoint: Setpoint, dt_s: float) -> None:
@@ -133,11 +136,8 @@ class Response:
 
     @property
     def measured(self) -> VehicleState:
-        """What it believes: noisy, drifting, position counted from where it was switched on."""
-        position, velocity, roll, pitch, heading = self._believed
-        return VehicleState(
-            position - self._home, velocity, heading, self._stamp_ns(), roll, pitch, self.motors_on
-        )
+        """What it believes: noisy, drifting, a little old; position from where it was switched on."""
+        return self._told[0]
 
     def _stamp_ns(self) -> int:
         return round(self.time_s * 1e9)
@@ -200,13 +200,20 @@ class Response:
         self._wander = self._wander + e.position_walk_m * math.sqrt(dt) * n[:3]
         self._heading_wander += e.heading_walk_rad * math.sqrt(dt) * n[3]
         roll, pitch = self._tilt()
-        self._believed = (
-            self._position + self._wander + e.position_noise_m * n[4:7],
-            self._velocity + e.velocity_noise_m_s * n[7:10],
-            roll + e.attitude_noise_rad * n[10],
-            pitch + e.attitude_noise_rad * n[11],
-            self._heading + self._heading_wander + e.heading_noise_rad * n[12],
+        self._told.append(
+            VehicleState(
+                self._position - self._home + self._wander + e.position_noise_m * n[4:7],
+                self._velocity + e.velocity_noise_m_s * n[7:10],
+                self._heading + self._heading_wander + e.heading_noise_rad * n[12],
+                self._stamp_ns(),
+                roll + e.attitude_noise_rad * n[10],
+                pitch + e.attitude_noise_rad * n[11],
+                self.motors_on,
+            )
         )
+        old_ns = self._stamp_ns() - round(self.config.telemetry_s * 1e9)
+        while len(self._told) > 1 and self._told[1].stamp_ns <= old_ns:
+            self._told.popleft()
 
 
 _NOTHING = (-math.inf, np.zeros(3), 0.0)
