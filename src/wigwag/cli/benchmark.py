@@ -11,6 +11,7 @@ from wigwag.cli.benchmark_dtw import DtwBenchmark
 from wigwag.cli.benchmark_few_shot import FewShotBenchmark
 from wigwag.cli.benchmark_gallery import GalleryBenchmark
 from wigwag.cli.benchmark_lift import LiftBenchmark
+from wigwag.cli.benchmark_link import LinkBenchmark
 from wigwag.cli.benchmark_reject import RejectBenchmark
 from wigwag.cli.benchmark_transfer import TransferBenchmark
 from wigwag.cli.benchmark_utd_mhad import UtdMhadBenchmark
@@ -28,6 +29,7 @@ class Benchmark:
             | Annotated[GalleryBenchmark, tyro.conf.subcommand("gallery")]
             | Annotated[FewShotBenchmark, tyro.conf.subcommand("few-shot")]
             | Annotated[RejectBenchmark, tyro.conf.subcommand("reject")]
+            | Annotated[LinkBenchmark, tyro.conf.subcommand("link")]
             | Annotated[TransferBenchmark, tyro.conf.subcommand("transfer")]
         ]
     ]

@@ -1,0 +1,343 @@
+"""Everything that goes wrong between wigwag and an autopilot, and how it ends."""
+
+import numpy as np
+import pytest
+
+from tests.vehicles.mavlink.flights import FAKES, connected, hovering, steered
+from wigwag.fly.values import HOVER, Setpoint
+from wigwag.sim.autopilot import FakeConfig
+from wigwag.sim.autopilots import FakeArduPilot, FakePx4
+from wigwag.sim.wire import WireConfig
+from wigwag.vehicles import FlightMode
+
+AHEAD = Setpoint((1.0, 0.0, 0.0))
+ARM, TAKE_OFF, SET_MODE, INTERVAL = 400, 22, 176, 511
+
+
+@pytest.fixture(params=FAKES, ids=lambda fake: fake.__name__)
+def fake(request):
+    return request.param()
+
+
+def sticks(fake):
+    return fake.POSITION if isinstance(fake, FakePx4) else fake.LOITER
+
+
+# The loop.
+
+
+def test_a_loop_that_hangs_stands_still_then_holds(fake):
+    """Zero velocity within 300 ms, hold within a second, while everything but the loop lives."""
+    flight = steered(fake, AHEAD)
+    hung_s = flight.vehicle.now_s
+    flight.freeze(0.30)
+    last = flight.sent("SET_POSITION_TARGET_LOCAL_NED", hung_s)
+    assert [m.vx for _, m in last][-1] == 0.0
+    flight.freeze(0.70)
+    assert flight.vehicle.mode is FlightMode.HOLDING
+    assert fake.mode == (fake.HOLD if isinstance(fake, FakePx4) else fake.BRAKE)
+    flight.freeze(3.0)
+    assert flight.speed_m_s < 0.05
+    after = [at for at, _ in flight.sent("SET_POSITION_TARGET_LOCAL_NED", hung_s + 1.0)]
+    assert not after
+    assert not [at for at, _ in flight.sent("HEARTBEAT", hung_s + 2.0)]  # nor a heartbeat
+
+
+def test_nothing_older_than_a_quarter_of_a_second_is_sent(fake):
+    flight = steered(fake, AHEAD)
+    hung_s = flight.vehicle.now_s
+    flight.freeze(1.0)
+    late = [m.vx or m.vy for at, m in flight.sent("SET_POSITION_TARGET_LOCAL_NED", hung_s + 0.25)]
+    assert late and not any(late)
+
+
+def test_a_loop_that_stutters_is_not_put_on_hold(fake):
+    flight = steered(fake, AHEAD)
+    for _ in range(5):
+        flight.freeze(0.4)
+        flight.turns(0.5, AHEAD)
+        assert flight.vehicle.mode is FlightMode.STEERED
+    assert fake.mode == (fake.OFFBOARD if isinstance(fake, FakePx4) else fake.GUIDED)
+
+
+def test_a_loop_that_lives_without_setpoints_keeps_its_heartbeat_and_holds(fake):
+    flight = steered(fake, AHEAD)
+    quiet_s = flight.vehicle.now_s
+    flight.turns(3.0)
+    assert flight.vehicle.mode is FlightMode.HOLDING
+    assert len(flight.sent("HEARTBEAT", quiet_s)) >= 3
+
+
+def test_a_program_that_dies_leaves_the_vehicle_to_its_own_timeout(fake):
+    flight = steered(fake, AHEAD)
+    flight.vehicle.up.config.cut = True  # nothing leaves any more
+    x = fake.airframe.state.position_m[0]
+    flight.freeze(3.0)
+    assert flight.speed_m_s < 0.05
+    assert fake.airframe.state.position_m[0] - x < 2.0
+    assert fake.mode == (fake.HOLD if isinstance(fake, FakePx4) else fake.GUIDED)
+
+
+# The link.
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        {"loss": 0.2}, {"delay_s": 0.15, "jitter_s": 0.1}, {"late": 0.2}, {"twice": 0.5}, {"damaged": 0.1},
+        {"loss": 0.1, "late": 0.1, "twice": 0.2, "damaged": 0.05, "jitter_s": 0.05},
+    ],
+    ids=["lossy", "slow", "reordered", "doubled", "damaged", "all of it"],
+)  # fmt: skip
+@pytest.mark.parametrize("seed", range(3))
+def test_a_mission_over_a_bad_link(fake, bad, seed):
+    flight = hovering(fake, up=WireConfig(**bad), down=WireConfig(**bad), seed=seed)
+    assert fake.height_m == pytest.approx(3.0, abs=0.5)
+    flight.until(FlightMode.STEERED, setpoint=AHEAD)
+    before = fake.airframe.state.position_m[0]
+    flight.turns(4.0, AHEAD)
+    assert flight.vehicle.mode is FlightMode.STEERED
+    assert fake.airframe.state.position_m[0] - before == pytest.approx(4.0, abs=0.6)
+    assert flight.vehicle.session.talk.telemetry.restarts == 0
+    assert flight.vehicle.land()
+    flight.until(FlightMode.DISARMED)
+    assert fake.height_m == 0
+
+
+def test_late_messages_do_not_turn_back_time():
+    flight = hovering(FakePx4(), down=WireConfig(late=0.3, late_s=0.3))
+    stamps = []
+    for _ in range(90):
+        flight.turn(AHEAD)
+        stamps.append(flight.vehicle.state.stamp_ns)
+    assert (np.diff(stamps) >= 0).all()
+
+
+def test_a_link_that_is_cut_ages_and_the_autopilot_holds(fake):
+    flight = steered(fake, AHEAD)
+    flight.vehicle.up.config.cut = flight.vehicle.down.config.cut = True
+    flight.turns(3.0, AHEAD)
+    state = flight.vehicle.state
+    assert state.link_age_s(flight.vehicle.now_ns) == pytest.approx(3.0, abs=0.3)
+    assert state.position_age_s(flight.vehicle.now_ns) == pytest.approx(3.0, abs=0.3)
+    assert flight.speed_m_s < 0.1
+    flight.vehicle.up.config.cut = flight.vehicle.down.config.cut = False
+    flight.turns(3.0)
+    assert flight.vehicle.mode is FlightMode.HOLDING  # and not: in a pilot's hands
+    assert fake.mode == (fake.HOLD if isinstance(fake, FakePx4) else fake.BRAKE)
+    assert not fake.critical
+    flight.until(FlightMode.STEERED, 3.0, AHEAD)
+
+
+def test_a_link_that_is_mute_one_way_shows_in_its_age(fake):
+    """The vehicle is heard well and hears nothing."""
+    flight = steered(fake, AHEAD)
+    flight.vehicle.up.config.cut = True
+    flight.turns(2.0, AHEAD)
+    state, now = flight.vehicle.state, flight.vehicle.now_ns
+    assert state.position_age_s(now) < 0.1
+    assert state.link_age_s(now) == pytest.approx(2.0, abs=0.3)
+    flight.turns(2.0, AHEAD)
+    assert flight.speed_m_s < 0.1
+    assert flight.vehicle.mode in (FlightMode.HOLDING, FlightMode.STEERED)
+
+
+# The autopilot.
+
+
+def test_other_systems_on_the_link_are_not_heard(fake):
+    flight = steered(fake, AHEAD)
+    fake.faults.system = 7
+    began = flight.vehicle.state.stamp_ns
+    flight.turns(1.0, AHEAD)
+    assert flight.vehicle.state.stamp_ns - began < 100_000_000
+    assert flight.vehicle.state.link_age_s(flight.vehicle.now_ns) > 0.9
+
+
+def test_a_reboot_in_flight_is_noticed_and_nothing_is_sent_on(fake):
+    flight = steered(fake, AHEAD)
+    fake.reboot()
+    at_s = flight.vehicle.now_s
+    flight.turns(4.0, AHEAD)
+    assert flight.vehicle.mode is FlightMode.DISARMED
+    assert "restarted" in flight.vehicle.state.trouble
+    assert not flight.sent("SET_POSITION_TARGET_LOCAL_NED", at_s + 2.5)
+    assert flight.vehicle.state.position_age_s(flight.vehicle.now_ns) < 0.1  # messages asked for anew
+
+
+def test_a_reboot_on_the_ground_does_not_stand_in_the_way(fake):
+    flight = connected(fake)
+    fake.reboot()
+    flight.turns(5.0)
+    assert flight.vehicle.arm()
+    assert flight.vehicle.take_off(2.0)
+    flight.until(FlightMode.HOLDING)
+
+
+@pytest.mark.parametrize("command", [ARM, TAKE_OFF, SET_MODE])
+def test_a_denied_command_is_told_and_the_vehicle_stays_down(fake, command):
+    flight = connected(fake)
+    fake.faults.deny.add(command)
+    assert flight.vehicle.arm()
+    assert flight.vehicle.take_off(3.0)
+    flight.turns(6.0)
+    assert "denied" in flight.vehicle.state.denied
+    assert flight.vehicle.mode in (FlightMode.DISARMED, FlightMode.READY)
+    assert fake.height_m == 0
+    fake.faults.deny.clear()
+    flight.until(FlightMode.DISARMED)
+    assert flight.vehicle.arm()
+    assert flight.vehicle.state.denied == ""
+
+
+@pytest.mark.parametrize("command", [ARM, TAKE_OFF, SET_MODE])
+def test_an_acknowledgement_that_never_comes_is_not_needed(fake, command):
+    """What the autopilot is seen to do counts."""
+    fake.faults.mute.add(command)
+    flight = hovering(fake)
+    flight.until(FlightMode.STEERED, setpoint=AHEAD)
+    assert flight.vehicle.land()
+    flight.until(FlightMode.DISARMED)
+
+
+def test_commands_that_are_never_answered_end(fake):
+    flight = connected(fake)
+    fake.faults.deaf = True
+    assert flight.vehicle.arm()
+    flight.turns(6.0)
+    assert "not answered" in flight.vehicle.state.denied
+    assert flight.vehicle.mode is FlightMode.DISARMED
+
+
+def test_a_hold_that_is_denied_is_told_and_asked_for_again():
+    flight = steered(FakePx4(), AHEAD)
+    flight.fake.faults.deny.add(SET_MODE)
+    assert flight.vehicle.hold()
+    flight.turns(1.0)
+    assert "denied" in flight.vehicle.state.denied
+    assert flight.speed_m_s < 0.1  # it stands still meanwhile
+    flight.fake.faults.deny.clear()
+    assert flight.vehicle.hold()
+    flight.until(FlightMode.HOLDING, 1.0)
+
+
+def test_a_position_that_freezes_grows_old_though_messages_go_on(fake):
+    flight = steered(fake, AHEAD)
+    assert flight.vehicle.state.position_age_s(flight.vehicle.now_ns) < 0.1
+    fake.faults.frozen = True
+    flight.turns(1.0, AHEAD)
+    assert flight.vehicle.state.position_age_s(flight.vehicle.now_ns) == pytest.approx(1.0, abs=0.15)
+    assert flight.vehicle.state.stamp_ns == flight.vehicle.state.position_ns
+    assert flight.vehicle.state.link_age_s(flight.vehicle.now_ns) < 0.3
+    fake.faults.frozen = False
+    flight.turns(0.2, AHEAD)
+    assert flight.vehicle.state.position_age_s(flight.vehicle.now_ns) < 0.1
+
+
+def test_position_without_attitude_steers_nowhere():
+    flight = steered(FakePx4(), AHEAD)
+    flight.fake._intervals[30] = float("inf")
+    flight.turns(1.0, AHEAD)
+    assert flight.vehicle.state.attitude_age_s(flight.vehicle.now_ns) > 0.8
+    message = flight.fake.received[-1][1]
+    assert (message.vx, message.vy) == (0.0, 0.0)
+
+
+def test_streams_that_stop_are_asked_for_again(fake):
+    flight = steered(fake, AHEAD)
+    fake._intervals[30] = fake._intervals[32] = float("inf")
+    flight.turns(4.0, AHEAD)
+    assert flight.vehicle.state.position_age_s(flight.vehicle.now_ns) < 0.1
+
+
+# Who decides.
+
+
+def test_a_pilot_wins_and_is_never_fought(fake):
+    flight = steered(fake, AHEAD)
+    fake.pilot(sticks(fake))
+    at_s = flight.vehicle.now_s
+    flight.turns(8.0, AHEAD)
+    assert flight.vehicle.mode is FlightMode.MANUAL
+    assert fake.mode == sticks(fake)
+    assert not flight.vehicle.hold()
+    assert not flight.vehicle.land()
+    assert not flight.vehicle.take_off(2.0)
+    assert not flight.vehicle.send(AHEAD, flight.vehicle.now_ns)
+    flight.turns(1.0, AHEAD)
+    assert fake.mode == sticks(fake)
+    assert not flight.sent("COMMAND_LONG", at_s)
+    assert not flight.sent("SET_POSITION_TARGET_LOCAL_NED", at_s + 0.3)  # seen within a fifth of a second
+
+
+@pytest.mark.parametrize("mode", ["RETURN", "LAND", "HOLD"])
+def test_a_pilot_who_has_it_return_land_or_hold_is_not_fought_either(mode):
+    px4, ardupilot = FakePx4(), FakeArduPilot()
+    for fake, name in ((px4, mode), (ardupilot, {"RETURN": "RTL", "HOLD": "BRAKE"}.get(mode, mode))):
+        flight = steered(fake, AHEAD)
+        fake.pilot(getattr(fake, name))
+        flight.turns(3.0, AHEAD)
+        assert flight.vehicle.mode is FlightMode.MANUAL
+        assert not flight.vehicle.hold()
+        flight.turns(1.0, AHEAD)
+        assert fake.mode == getattr(fake, name)
+
+
+def test_a_pilot_gives_it_back_by_choosing_the_mode_that_listens():
+    flight = steered(FakeArduPilot(), AHEAD)
+    flight.fake.pilot(FakeArduPilot.LOITER)
+    flight.turns(2.0, AHEAD)
+    flight.fake.pilot(FakeArduPilot.GUIDED)
+    flight.until(FlightMode.STEERED, 1.0, AHEAD)
+    # PX4 wants a stream before Offboard: it flows, standing still, while the pilot lets PX4 hold.
+    flight = steered(FakePx4(), AHEAD)
+    flight.fake.pilot(FakePx4.POSITION)
+    flight.turns(2.0, AHEAD)
+    flight.fake.pilot(FakePx4.HOLD)
+    flight.turns(2.0, AHEAD)
+    assert flight.vehicle.mode is FlightMode.MANUAL
+    assert flight.fake.received[-1][1].vx == 0.0
+    flight.fake.pilot(FakePx4.OFFBOARD)
+    flight.until(FlightMode.STEERED, 1.0, AHEAD)
+
+
+def test_a_pilot_who_takes_over_while_a_mode_is_asked_for_wins():
+    flight = hovering(FakePx4())
+    flight.turns(1.0, HOVER)
+    flight.fake.faults.deny.add(SET_MODE)
+    flight.turns(0.2, HOVER)
+    flight.fake.pilot(FakePx4.POSITION)
+    flight.fake.faults.deny.clear()
+    flight.turns(3.0, HOVER)
+    assert flight.fake.mode == FakePx4.POSITION
+    assert flight.vehicle.mode is FlightMode.MANUAL
+
+
+def test_a_pilot_who_lands_it_gives_it_back_on_the_ground(fake):
+    flight = steered(fake, AHEAD)
+    fake.pilot(fake.LAND)
+    flight.until(FlightMode.DISARMED)
+    assert flight.vehicle.arm()
+    flight.until(FlightMode.READY)
+
+
+def test_the_autopilots_own_failsafe_is_told_from_a_pilot(fake):
+    flight = steered(fake, AHEAD)
+    fake.battery = 0.05
+    flight.until(FlightMode.FAILSAFE, 2.0, AHEAD)
+    mode = fake.mode
+    assert not flight.vehicle.send(AHEAD, flight.vehicle.now_ns)
+    flight.turns(2.0, AHEAD)
+    assert fake.mode == mode
+    assert not flight.vehicle.state.healthy
+    assert flight.vehicle.state.battery == pytest.approx(0.05, abs=0.01)
+
+
+def test_a_fence_ends_the_flight_outwards():
+    for make in FAKES:
+        fake = make(FakeConfig(radius_m=6.0))
+        flight = steered(fake, AHEAD)
+        flight.turns(6.0, AHEAD)
+        assert flight.vehicle.mode is FlightMode.FAILSAFE
+        assert flight.vehicle.land()  # an operator may still have it land
+        flight.until(FlightMode.LANDING, 2.0)
