@@ -494,6 +494,18 @@ def the_fence_is_not_passed_not_even_to_retreat(rules: Rules) -> None:
 
 
 @scenario
+def between_the_fence_and_the_operator_it_stands_still(rules: Rules) -> None:
+    for out_rad in (1.9, -1.9):
+        # The drone is at the edge; along it, it would slide past the operator, and nearer than it may.
+        edge = Cylinder(5.0, (-5.0 * math.cos(out_rad), -5.0 * math.sin(out_rad)))
+        scene = flying(rules, SupervisorConfig(fence=edge))
+        scene.known.update(distance_m=2.1)
+        scene.wish = Setpoint((0.0, math.copysign(1.0, out_rad), 0.2), 0.1)
+        scene.turn()
+        assert sent(scene) == Setpoint((0.0, 0.0, 0.2), 0.1)
+
+
+@scenario
 def far_outside_or_above_it_lands(rules: Rules) -> None:
     for place in ((33.0, 0.0, 1.5), (0.0, 0.0, 6.5)):
         for mode in (Mode.FOLLOWING, Mode.EXECUTING, Mode.HOLDING, Mode.LOST_PERSON):

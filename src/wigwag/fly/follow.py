@@ -35,13 +35,13 @@ class Goal:
 class FollowConfig:
     """Gains of the follow law. One set flies PX4, ArduCopter and the simulated quadrotor."""
 
-    bearing_gain_1_s: float = 3.0
+    bearing_gain_1_s: float = 5.0
     distance_gain_1_s: float = 1.5
     altitude_gain_1_s: float = 0.8
     velocity_delay_s: float = 0.30
     """From a velocity set-point to the motion (0.25 s on both autopilots, and its transport). The law answers
     where drone and operator will be after so long: which damps the distance."""
-    yaw_delay_s: float = 0.17
+    yaw_delay_s: float = 0.15
     """From a yaw-rate set-point to the turn."""
     max_speed_m_s: float = 1.5
     """Horizontal."""

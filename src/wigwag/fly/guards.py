@@ -80,15 +80,45 @@ def fence(wish: Setpoint, now: Situation, memory: Memory, limits: SupervisorConf
     return wish
 
 
+def cornered(wish: Setpoint, now: Situation, memory: Memory, limits: SupervisorConfig) -> Setpoint:
+    """Stand still where what one limit leaves leads beyond another: between a wall and the operator."""
+    east, north, _ = now.position_m
+    allowed = [
+        (math.atan2(wall.north, wall.east) - now.heading_rad, wall.distance_m)
+        for wall in limits.fence.walls(east, north)
+    ]
+    if now.distance_m is not None:
+        allowed.append((now.bearing_rad, now.distance_m - limits.min_distance_m))
+        allowed.append((now.bearing_rad + math.pi, limits.max_distance_m - now.distance_m))
+    forward, left, up = wish.velocity_m_s
+    for direction, left_m in allowed:
+        towards = forward * math.cos(direction) + left * math.sin(direction)
+        if towards > limits.braking_1_s * max(left_m, 0.0) + _ROUNDING_M_S:
+            return Setpoint((0.0, 0.0, up), wish.yaw_rate_rad_s)
+    return wish
+
+
 def yaw_rate(wish: Setpoint, now: Situation, memory: Memory, limits: SupervisorConfig) -> Setpoint:
     """Turn no faster than allowed."""
     most = limits.max_yaw_rate_rad_s
     return Setpoint(wish.velocity_m_s, min(max(wish.yaw_rate_rad_s, -most), most))
 
 
-GUARDS: tuple[Guard, ...] = (finite, farthest, nearest, speed, climb, floor, ceiling, fence, yaw_rate)
+GUARDS: tuple[Guard, ...] = (
+    finite,
+    farthest,
+    nearest,
+    speed,
+    climb,
+    floor,
+    ceiling,
+    fence,
+    cornered,
+    yaw_rate,
+)
 """Every guard, in the order in which a set-point passes them. What comes later wins: the fence over the
 retreat."""
+_ROUNDING_M_S = 1e-9
 
 
 def guarded(
