@@ -9,6 +9,7 @@ import tyro
 
 from wigwag.cli.benchmark_dtw import DtwBenchmark
 from wigwag.cli.benchmark_few_shot import FewShotBenchmark
+from wigwag.cli.benchmark_follow import FollowBenchmark
 from wigwag.cli.benchmark_gallery import GalleryBenchmark
 from wigwag.cli.benchmark_lift import LiftBenchmark
 from wigwag.cli.benchmark_link import LinkBenchmark
@@ -29,6 +30,7 @@ class Benchmark:
             | Annotated[GalleryBenchmark, tyro.conf.subcommand("gallery")]
             | Annotated[FewShotBenchmark, tyro.conf.subcommand("few-shot")]
             | Annotated[RejectBenchmark, tyro.conf.subcommand("reject")]
+            | Annotated[FollowBenchmark, tyro.conf.subcommand("follow")]
             | Annotated[LinkBenchmark, tyro.conf.subcommand("link")]
             | Annotated[TransferBenchmark, tyro.conf.subcommand("transfer")]
         ]

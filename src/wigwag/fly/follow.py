@@ -23,8 +23,10 @@ class Goal:
     """Horizontal distance from drone to the operator's hips."""
     altitude_m: float = 1.2
     """Height above the point of take-off; it rises and sinks with the operator's hips."""
+    angle_rad: float | None = None
+    """Where the drone is, seen from the operator, anticlockwise from east; ``None``: wherever it is."""
     tangential_m_s: float = 0.0
-    """Speed around the operator; positive moves the drone to its own left."""
+    """How fast the angle changes, as a speed; positive moves the drone to its own left, clockwise."""
     receding_m_s: float = 0.0
     """How fast ``distance_m`` changes."""
     climbing_m_s: float = 0.0
@@ -37,6 +39,10 @@ class FollowConfig:
 
     bearing_gain_1_s: float = 5.0
     distance_gain_1_s: float = 1.5
+    angle_gain_1_s: float = 0.6
+    """Of the way back to the goal's angle."""
+    max_return_m_s: float = 0.4
+    """That way is flown no faster."""
     altitude_gain_1_s: float = 0.8
     velocity_delay_s: float = 0.30
     """From a velocity set-point to the motion (0.25 s on both autopilots, and its transport). The law answers
@@ -51,8 +57,6 @@ class FollowConfig:
     max_jerk_m_s3: float = 10.0
     """Nor does its change begin or end more suddenly."""
     max_yaw_acceleration_rad_s2: float = 5.0
-    rise_slack_m: float = 0.12
-    """The operator's hips rise and sink so far with every step; the drone stays where it is."""
 
 
 class FollowLaw:
@@ -143,13 +147,15 @@ class FollowLaw:
         drone, operator = self.places(track, state, now_ns)
         ahead, distance = _sight(drone, operator)
         left = np.array([-ahead[1], ahead[0]])
-        # eq. follow distance: v = v_operator + k (d - d_goal) - d_goal' along the line of sight + v_t across;
-        # d as it will be once the vehicle answers
-        level = (
-            track.velocity_m_s[:2]
-            + (config.distance_gain_1_s * (distance - goal.distance_m) - goal.receding_m_s) * ahead
-            + goal.tangential_m_s * left
-        )
+        # eq. follow distance: v = v_operator + k (d - d_goal) - d_goal' along the line of sight, across it
+        # v_t + k (angle - angle_goal) d; all as it will be once the vehicle answers
+        along = config.distance_gain_1_s * (distance - goal.distance_m) - goal.receding_m_s
+        across = goal.tangential_m_s
+        if goal.angle_rad is not None:
+            behind = wrap(math.atan2(-ahead[1], -ahead[0]) - goal.angle_rad) * distance
+            most = config.max_return_m_s
+            across += min(max(config.angle_gain_1_s * behind, -most), most)
+        level = track.velocity_m_s[:2] + along * ahead + across * left
         speed = math.hypot(level[0], level[1])
         if speed > config.max_speed_m_s:
             level = level * (config.max_speed_m_s / speed)
@@ -182,10 +188,7 @@ class FollowLaw:
 
     def rise(self, track: OperatorTrack) -> float:
         """Return how far the operator has risen above the level they began at, metres."""
-        if self._level_m is None:
-            return 0.0
-        rise = track.height_m - self._level_m
-        return rise - min(max(rise, -self.config.rise_slack_m), self.config.rise_slack_m)
+        return 0.0 if self._level_m is None else track.height_m - self._level_m
 
 
 def _coming(asked: deque[tuple[int, Any]], stamp_ns: int, delay_s: float) -> Any:
