@@ -9,11 +9,13 @@ import pytest
 
 from wigwag.camera import Frame, Intrinsics
 from wigwag.errors import InputError
-from wigwag.fly.supervisor import Mode
+from wigwag.fly.follow import Goal
+from wigwag.fly.movements import MovementConfig
+from wigwag.fly.situation import Craft, Mode
 from wigwag.fly.values import HOVER, Command, Setpoint, VehicleState
 from wigwag.gesture import Gesture
-from wigwag.pilot import Pilot, Step
-from wigwag.skeleton import Clip, Pose
+from wigwag.pilot import CRAFT, Pilot, PilotConfig, Step
+from wigwag.skeleton import Clip, Landmark, Pose
 from wigwag.vehicles import FlightMode
 
 S = 10**9
@@ -31,7 +33,8 @@ class Drone:
         self.asked: list[str] = []
         self.sent: list[Setpoint] = []
 
-    def connect(self) -> None: ...
+    def beat(self, now_ns: int) -> None:
+        self.beats_ns = now_ns
 
     def arm(self) -> bool:
         self.asked.append("arm")
@@ -55,6 +58,7 @@ class Drone:
 
     def send(self, setpoint: Setpoint, stamp_ns: int) -> bool:
         self.sent.append(setpoint)
+        self.asked_at_send = list(self.asked)
         self.mode = FlightMode.STEERED
         return True
 
@@ -65,6 +69,7 @@ class Sight:
     def __init__(self) -> None:
         self.at_m: tuple[float, float, float] | None = (0.0, 0.2, 4.5)
         self.last_ns = -1
+        self.arms_up = False
 
     def __call__(self, frame: Frame) -> Pose | None:
         if frame.depth_mm is None:
@@ -74,7 +79,10 @@ class Sight:
         self.last_ns = frame.stamp_ns
         if self.at_m is None:
             return None
-        return Pose(np.tile(self.at_m, (13, 1)), np.ones(13), frame.stamp_ns)
+        joints = np.tile(self.at_m, (13, 1))
+        joints[[Landmark.LEFT_WRIST, Landmark.RIGHT_WRIST], 1] += -0.5 if self.arms_up else 0.2
+        joints[[Landmark.LEFT_SHOULDER, Landmark.RIGHT_SHOULDER], 1] -= 0.5
+        return Pose(joints, np.ones(13), frame.stamp_ns)
 
 
 class Silent:
@@ -89,10 +97,12 @@ class Prompter:
 
     def __init__(self) -> None:
         self.label: str | None = None
+        self.shown_s = 2.0
 
     def update(self, pose: Pose | None) -> Gesture | None:
         label, self.label = self.label, None
-        return None if label is None else Gesture(label, 0.9)
+        shown_ns = int(self.shown_s * S)
+        return None if label is None else Gesture(label, 0.9, 0, shown_ns, shown_ns)
 
 
 class Flight:
@@ -100,7 +110,7 @@ class Flight:
 
     def __init__(self, mode: FlightMode = FlightMode.HOLDING) -> None:
         self.drone, self.sight, self.prompter = Drone(mode), Sight(), Prompter()
-        self.pilot = Pilot(self.sight, Silent(), self.drone, clock=lambda: 0.0)
+        self.pilot = Pilot(self.sight, Silent(), self.drone, clock=lambda: 0.0)  # type: ignore[arg-type]
         self.pilot.spotter = self.prompter  # type: ignore[assignment]
         self.now_ns = 0
 
@@ -137,7 +147,7 @@ def test_an_operator_at_the_goal_is_followed_with_hardly_any_movement() -> None:
     steps = flight.turns(1.0)
     assert steps[-1].verdict.mode is Mode.FOLLOWING
     assert np.abs(flight.drone.sent[-1].velocity_m_s).max() < 1e-6
-    flight.sight.at_m = (-0.4, 0.2, 5.4)
+    flight.sight.at_m = (-0.4, 0.2, 5.0)
     flight.turns(0.5)
     forward = flight.drone.sent[-1].velocity_m_s[0]
     assert forward > 0.3 and flight.drone.sent[-1].yaw_rate_rad_s > 0.05, (
@@ -171,45 +181,78 @@ def test_without_frames_the_operator_is_lost_and_the_drone_stands(
     lost = [k for k, step in enumerate(steps) if step.verdict.mode is Mode.LOST_PERSON]
     assert lost == list(range(lost[0], len(steps))), "once lost it stays lost without frames"
     assert (lost[0] + 1) / 30 == pytest.approx(flight.pilot.config.supervisor.max_pose_age_s, abs=2 / 30)
-    assert steps[-1].verdict.setpoint == HOVER
+    assert steps[-1].permit.setpoint == HOVER
     assert set(flight.drone.sent[-10:]) == {HOVER}
     assert flight.turns(0.2)[-1].verdict.mode is Mode.FOLLOWING, "seen again: followed again"
 
 
 def test_a_movement_does_not_go_on_after_the_operator_was_lost() -> None:
     flight = Flight()
-    flight.turns(0.5)
+    flight.turns(1.2)
     flight.turn("orbit")
     flight.turns(0.5)
-    assert flight.pilot.movement.command is Command.ORBIT
+    assert flight.pilot.helm.movement.command is Command.ORBIT
     flight.turns(1.0, none)
-    assert flight.pilot.movement.command is None
+    assert flight.pilot.helm.movement.command is None
     assert flight.turns(0.5)[-1].goal.tangential_m_s == 0.0
 
 
 def test_stop_in_flight_holds_until_the_next_command() -> None:
     flight = Flight()
-    flight.turns(0.5)
+    flight.turns(1.2)
     flight.turn("left")
+    flight.turns(0.5)
+    assert flight.drone.sent[-1].velocity_m_s[1] < -0.1
     step = flight.turn("stop")
     assert step.verdict.mode is Mode.HOLDING
-    assert flight.drone.asked == ["hold"]
-    flight.sight.at_m = (0.0, 0.2, 5.5)
-    flight.turns(3.0)
-    assert all(s.velocity_m_s == (0.0, 0.0, 0.0) for s in flight.drone.sent[-60:])
-    assert flight.turn("closer").verdict.mode is Mode.FOLLOWING
+    assert flight.drone.sent[-1] == HOVER, "in the turn of the decision"
+    assert flight.drone.asked == ["hold"] and flight.drone.asked_at_send == [], "the set-point goes first"
+    flight.sight.at_m = (0.3, 0.2, 5.5)
+    before = len(flight.drone.sent)
+    flight.turns(1.9)
+    assert len(flight.drone.sent) == before, "nothing is sent for two seconds"
+    flight.turns(2.0)
+    assert all(s.velocity_m_s == (0.0, 0.0, 0.0) for s in flight.drone.sent[before:])
+    assert flight.drone.sent[-1].yaw_rate_rad_s < -0.05, "it turns to the operator"
+    assert flight.turn("closer").verdict.mode is Mode.EXECUTING
+
+
+def test_a_command_changes_the_setpoint_in_the_turn_in_which_it_is_decided() -> None:
+    flight = Flight()
+    flight.sight.at_m = (0.0, 0.2, 4.4)
+    flight.turns(2.0)
+    assert flight.drone.sent[-1].velocity_m_s[1] == pytest.approx(0.0, abs=1e-6)
+    step = flight.turn("left")
+    assert step.verdict.accepted is Command.LEFT
+    assert flight.drone.sent[-1].velocity_m_s[1] < -0.005
 
 
 def test_commands_come_once_a_second_at_most_but_stop_and_land_always() -> None:
     flight = Flight()
-    flight.turns(0.5)
-    assert flight.turn("left").command is Command.LEFT
-    said = [flight.turn("up").command for _ in range(29)]
+    flight.turns(1.2)
+    assert flight.turn("left").verdict.accepted is Command.LEFT
+    said = [flight.turn("up").verdict.accepted for _ in range(29)]
     assert said == [None] * 29
-    assert [flight.turn("up").command for _ in range(2)].count(Command.UP) == 1
-    assert flight.turn("stop").command is Command.STOP
-    assert flight.turn("land").command is Command.LAND
+    assert [flight.turn("up").verdict.accepted for _ in range(2)].count(Command.UP) == 1
+    assert flight.turn("stop").verdict.accepted is Command.STOP
+    assert flight.turn("land").verdict.accepted is Command.LAND
     assert flight.drone.asked == ["hold", "land"]
+
+
+def test_the_arms_come_down_between_two_commands() -> None:
+    flight = Flight()
+    flight.turns(1.2)
+    flight.sight.arms_up = True
+    assert flight.turn("left").verdict.accepted is Command.LEFT
+    flight.turns(3.0)
+    step = flight.turn("up")
+    assert (step.command, step.verdict.accepted) == (Command.UP, None)
+    assert "lower your arms" in step.verdict.reason
+    assert flight.turn("stop").verdict.accepted is Command.STOP
+    flight.sight.arms_up = False
+    flight.turns(1.0)
+    flight.sight.arms_up = True
+    assert flight.turn("up").verdict.accepted is Command.UP
 
 
 def test_labels_that_command_nothing_command_nothing() -> None:
@@ -218,18 +261,27 @@ def test_labels_that_command_nothing_command_nothing() -> None:
     for label in ("clap", "a1", ""):
         step = flight.turn(label)
         assert step.gesture is not None and step.command is None
-    assert flight.turn("left").command is Command.LEFT, "and do not use up the second either"
+    flight.turns(1.0)
+    assert flight.turn("clap").command is None
+    assert flight.turn("left").verdict.accepted is Command.LEFT, "and do not use up the second either"
 
 
 def test_taking_off_needs_the_ground_and_an_operator_in_view() -> None:
     flight = Flight(FlightMode.DISARMED)
-    assert flight.turn("take_off", none).verdict.mode is Mode.GROUNDED, "nobody has been seen"
+    assert flight.turn("take_off", none).verdict.mode is Mode.DISARMED, "nobody has been seen"
     flight.turns(2.0)
     flight.turns(1.0, none)
-    assert flight.turn("take_off", none).verdict.mode is Mode.GROUNDED, "nobody is in view any more"
+    assert flight.turn("take_off", none).verdict.mode is Mode.DISARMED, "nobody is in view any more"
     assert flight.drone.asked == [] and flight.drone.sent == []
-    flight.turns(1.0)
-    assert flight.turn("take_off").verdict.mode is Mode.TAKING_OFF
+    flight.turns(0.9)
+    assert flight.turn("take_off").verdict.mode is Mode.DISARMED, "seen for less than a second"
+    flight.turns(0.2)
+    flight.prompter.shown_s = 0.5
+    step = flight.turn("take_off")
+    assert step.verdict.mode is Mode.DISARMED and "again to confirm" in step.verdict.reason
+    flight.turns(1.2)
+    assert flight.turn("take_off").verdict.mode is Mode.ARMING
+    assert flight.turn().verdict.mode is Mode.TAKING_OFF
     assert flight.drone.asked == ["arm", "take off to 1.2 m"]
     assert flight.turns(0.5)[-1].verdict.mode is Mode.TAKING_OFF
     assert flight.drone.sent == [], "a drone that takes off is not steered"
@@ -239,24 +291,29 @@ def test_taking_off_needs_the_ground_and_an_operator_in_view() -> None:
 
 def test_taking_off_in_the_air_and_other_commands_on_the_ground_do_nothing() -> None:
     flying = Flight()
-    flying.turns(0.5)
-    assert flying.turn("take_off").verdict.mode is Mode.FOLLOWING
+    flying.turns(1.2)
+    step = flying.turn("take_off")
+    assert step.verdict.mode is Mode.FOLLOWING and step.verdict.reason == "take_off: not while following"
     assert flying.drone.asked == []
     grounded = Flight(FlightMode.DISARMED)
     for label in ("left", "up", "orbit", "stop", "land"):
         grounded.turns(1.1)
-        assert grounded.turn(label).verdict.mode is Mode.GROUNDED
+        assert grounded.turn(label).verdict.mode is Mode.DISARMED
     assert grounded.drone.asked == [] and grounded.drone.sent == []
 
 
 def test_after_taking_off_the_drone_goes_to_its_goal_smoothly() -> None:
     flight = Flight(FlightMode.DISARMED)
     flight.sight.at_m = (0.0, 0.2, 5.9)
-    flight.turns(0.5)
+    flight.turns(1.2)
     flight.turn("take_off")
+    flight.turn()
     flight.drone.mode = FlightMode.HOLDING
     flight.turn()
-    goals = [step.goal.distance_m for step in flight.turns(6.0)]
+    goals = []
+    for _ in range(180):
+        goals.append(flight.turn().goal.distance_m)
+        flight.sight.at_m = (0.0, 0.2, goals[-1] - 0.1)  # the drone does as it is told
     assert goals[0] == pytest.approx(6.0, abs=0.1)
     assert max(np.abs(np.diff(goals))) < 0.02
     assert goals[-1] == pytest.approx(4.5)
@@ -310,9 +367,69 @@ def test_a_vehicle_whose_state_is_stale_is_held() -> None:
         flight.now_ns += PERIOD_NS
         flight.drone.state = stale
         step = flight.pilot.step(good(flight.now_ns), flight.now_ns)
-    assert step.verdict.setpoint == HOVER
-    assert "stale" in step.verdict.reason
-    assert flight.drone.asked[-1] == "hold"
+    assert step.verdict.mode is Mode.HOLDING
+    assert flight.drone.sent[-1] == HOVER
+    assert flight.drone.asked == ["hold"]
+
+
+def test_a_recogniser_that_raises_is_told_to_the_supervisor_and_ends_nothing() -> None:
+    flight = Flight()
+    flight.turns(1.2)
+
+    def fail(pose: Pose | None) -> Gesture | None:
+        raise RuntimeError("no such class")
+
+    heard, flight.prompter.update = flight.prompter.update, fail  # type: ignore[method-assign]
+    assert flight.turn().verdict.mode is Mode.HOLDING
+    assert "no such class" in flight.pilot.trouble
+    flight.prompter.update = heard  # type: ignore[method-assign]
+    flight.turns(1.0)
+    assert flight.turn("left").verdict.mode is Mode.EXECUTING, "it decides again"
+    assert flight.turn().situation.deaf_ns is None
+
+
+def test_a_pose_network_that_raises_is_a_frame_without_a_pose() -> None:
+    flight = Flight()
+    flight.turns(1.0)
+
+    def fail(frame: Frame) -> Pose | None:
+        raise MemoryError("network")
+
+    flight.pilot.pose = fail
+    steps = flight.turns(1.0)
+    assert steps[-1].verdict.mode is Mode.LOST_PERSON
+    assert "network" in flight.pilot.trouble
+
+
+def test_somebody_elsewhere_is_not_the_operator_and_is_not_listened_to() -> None:
+    flight = Flight()
+    flight.turns(2.0)
+    flight.sight.at_m = (1.9, 0.2, 4.5)
+    steps = flight.turns(0.9)
+    assert all(step.pose is not None and step.movement is None for step in steps)
+    assert steps[-1].verdict.mode is Mode.LOST_PERSON
+    last = flight.turns(1.0)[-1]
+    assert last.verdict.mode is Mode.HOLDING and last.situation.person == 1
+    assert flight.drone.asked == ["hold"]
+
+
+def test_what_is_decided_after_a_slow_pose_is_decided_at_its_time() -> None:
+    flight = Flight()
+    flight.pilot.time_ns = lambda: flight.now_ns + 40_000_000
+    step = flight.turns(0.2)[-1]
+    assert step.situation.now_ns == flight.now_ns + 40_000_000
+
+
+def test_every_mode_of_a_vehicle_means_something() -> None:
+    assert set(CRAFT) == set(FlightMode)
+    assert set(CRAFT.values()) == set(Craft)
+
+
+def test_a_goal_outside_the_bounds_is_an_error() -> None:
+    with pytest.raises(InputError, match=r"altitude_m is 9\.0, but has to be from 0\.8 to 2\.0"):
+        PilotConfig(goal=Goal(altitude_m=9.0))
+    with pytest.raises(InputError, match="max_altitude_m is 5"):
+        PilotConfig(movement=MovementConfig(max_altitude_m=5.0))
 
 
 def test_processor_time_is_measured_with_the_clock_given_and_decides_nothing() -> None:

@@ -11,17 +11,21 @@ import numpy as np
 
 from wigwag.camera import Frame
 from wigwag.errors import InputError
-from wigwag.fly.follow import FollowConfig, FollowLaw, Goal, wrap
-from wigwag.fly.movements import Movement, MovementConfig
+from wigwag.fly.follow import FollowConfig, Goal, wrap
+from wigwag.fly.helm import Helm
+from wigwag.fly.limits import SupervisorConfig
+from wigwag.fly.movements import MovementConfig
 from wigwag.fly.operator import Mount, OperatorTrack, TrackConfig, rotation
-from wigwag.fly.supervisor import Action, Mode, Situation, Supervisor, SupervisorConfig, Verdict
-from wigwag.fly.values import HOVER, Command, Setpoint, VehicleState
+from wigwag.fly.situation import Action, Craft, Mode, Permit, Situation, Verdict
+from wigwag.fly.supervisor import Supervisor
+from wigwag.fly.values import Command, Setpoint, VehicleState
 from wigwag.gesture import Gesture
 from wigwag.skeleton import Pose
 from wigwag.stream.gesture_stream import StreamModel
 from wigwag.stream.listener import Listener, listening
+from wigwag.stream.segment import arms_down
 from wigwag.stream.spot import Recogniser, SpotConfig
-from wigwag.vehicles.protocol import FlightMode, Vehicle
+from wigwag.vehicles.protocol import AIRBORNE, FlightMode, Vehicle
 
 
 class PoseSource(Protocol):
@@ -43,8 +47,27 @@ class PilotConfig:
     movement: MovementConfig = field(default_factory=MovementConfig)
     supervisor: SupervisorConfig = field(default_factory=SupervisorConfig)
     spot: SpotConfig = field(default_factory=SpotConfig)
-    rest_between_s: float = 1.0
-    """Commands are taken at most this often; stop and land always."""
+
+    def __post_init__(self) -> None:
+        """Check that no movement leads where the supervisor stops it.
+
+        Raises:
+            InputError: If the movements' bounds, or the goal, lie outside the supervisor's limits.
+        """
+        goal, bounds, limits = self.goal, self.movement, self.supervisor
+        for what, value, least, most in (
+            ("distance_m", goal.distance_m, bounds.min_distance_m, bounds.max_distance_m),
+            ("altitude_m", goal.altitude_m, bounds.min_altitude_m, bounds.max_altitude_m),
+            ("min_distance_m", bounds.min_distance_m, limits.min_distance_m, bounds.max_distance_m),
+            ("max_distance_m", bounds.max_distance_m, bounds.min_distance_m, limits.max_distance_m),
+            ("min_altitude_m", bounds.min_altitude_m, limits.floor_m, bounds.max_altitude_m),
+            ("max_altitude_m", bounds.max_altitude_m, bounds.min_altitude_m, limits.ceiling_m),
+        ):
+            if not least <= value <= most:
+                raise InputError(
+                    f"PilotConfig: {what} is {value}, but has to be from {least} to {most}. The goal lies "
+                    "within the movements' bounds, and those within the supervisor's limits; change either."
+                )
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +80,15 @@ class Step:
     """The same without the drone's tilt and turn: what the spotter saw."""
     gesture: Gesture | None
     command: Command | None
+    """What the gesture asks for; whether it was obeyed is in ``verdict``."""
+    situation: Situation
+    """What the supervisor was told."""
     verdict: Verdict
+    """What it decided."""
+    wish: Setpoint
+    """What the follow law would have liked to send."""
+    permit: Permit
+    """What was sent."""
     goal: Goal
     state: VehicleState
     pose_s: float
@@ -76,6 +107,8 @@ class Pilot:
         commands: Which command each gesture label stands for; labels not listed command nothing.
         config: Everything that can be set.
         clock: Processor time for the timings; never used for decisions.
+        time_ns: The clock of the stamps, where it goes on while the pose is looked for; what is decided
+            afterwards is decided at its time. By default at the time that ``step`` is given.
     """
 
     def __init__(
@@ -87,21 +120,21 @@ class Pilot:
         commands: Mapping[str, Command] | None = None,
         config: PilotConfig | None = None,
         clock: Callable[[], float] = time.thread_time,
+        time_ns: Callable[[], int] | None = None,
     ) -> None:
         self.config = config or PilotConfig()
-        self.pose, self.vehicle, self.clock = pose, vehicle, clock
+        self.pose, self.vehicle, self.clock, self.time_ns = pose, vehicle, clock, time_ns
         self.commands = commands if commands is not None else {c.value: c for c in Command}
         self.spotter: Listener = listening(recogniser, self.config.spot)
         self.track = OperatorTrack(self.config.track, self.config.mount)
-        self.follow = FollowLaw(self.config.follow)
-        self.movement = Movement(self.config.movement, self.config.goal)
-        airborne = vehicle.mode in (FlightMode.HOLDING, FlightMode.STEERED)
-        mode = Mode.FOLLOWING if airborne else Mode.GROUNDED
+        self.helm = Helm(self.config.goal, self.config.follow, self.config.movement)
+        mode = Mode.FOLLOWING if vehicle.mode in AIRBORNE else Mode.DISARMED
         self.supervisor = Supervisor(self.config.supervisor, mode)
         self.trouble = ""
-        """The last complaint about a frame, for people to read."""
-        self._last_ns: int | None = None
-        self._commanded_ns: int | None = None
+        """The last complaint about a frame or a recogniser, for people to read."""
+        self._camera_ns: int | None = None
+        self._rested_ns: int | None = None
+        self._deaf_ns: int | None = None
 
     def step(self, frame: Frame | None, now_ns: int) -> Step:
         """Run the loop once.
@@ -112,29 +145,47 @@ class Pilot:
             now_ns: Monotonic nanoseconds, the clock of the frame's and the vehicle's stamps.
         """
         began = self.clock()
-        pose = None if frame is None else self._find(frame)
+        self.vehicle.beat(now_ns)
+        pose = None if frame is None else self._find(frame, now_ns)
         seen = self.clock()
+        if self.time_ns is not None:
+            now_ns = self.time_ns()
         state = self.vehicle.state
         self.track.observe_vehicle(state)
-        if pose is not None:
-            self.track.observe(pose)
-        movement = None if pose is None else self._level(pose)
-        gesture = self.spotter.update(movement)
-        command = self._command(gesture, now_ns)
-        verdict = self._fly(command, state, now_ns)
-        self._last_ns = now_ns
+        own = pose is not None and self.track.observe(pose)
+        movement = self._level(pose) if pose is not None and own else None
+        gesture = self._hear(movement, now_ns)
+        command = None if gesture is None or gesture.label is None else self.commands.get(gesture.label)
+        situation, verdict, wish, sent = self._fly(command, gesture, state, now_ns)
         done = self.clock()
         return Step(
-            pose, movement, gesture, command, verdict, self.movement.goal, state, seen - began, done - seen
-        )
+            pose, movement, gesture, command, situation, verdict, wish, sent, self.helm.movement.goal, state,
+            seen - began, done - seen,
+        )  # fmt: skip
 
-    def _find(self, frame: Frame) -> Pose | None:
+    def _find(self, frame: Frame, now_ns: int) -> Pose | None:
         """Find the operator; a frame that cannot be used (no depth, out of order) is one without a pose."""
         try:
-            return self.pose(frame)
-        except InputError as error:
+            pose = self.pose(frame)
+        except Exception as error:  # whatever it is: a network that fails must not end the loop that flies
             self.trouble = str(error)
             return None
+        self._camera_ns = now_ns
+        return pose
+
+    def _hear(self, movement: Pose | None, now_ns: int) -> Gesture | None:
+        """Listen; a recogniser that fails has heard nothing, and the supervisor is told."""
+        if movement is not None and arms_down(movement):
+            self._rested_ns = now_ns
+        try:
+            gesture = self.spotter.update(movement)
+        except Exception as error:  # as above
+            self.trouble = f"the recogniser failed: {error}"
+            self._deaf_ns = self._deaf_ns or now_ns
+            return None
+        if gesture is not None:
+            self._deaf_ns = None
+        return gesture
 
     def _level(self, pose: Pose) -> Pose:
         """Take the drone's tilt and turn out of a pose: what is left is the operator's own movement.
@@ -151,67 +202,22 @@ class Pilot:
         left = -sin * world[:, 0] + cos * world[:, 1]
         return replace(pose, joints=np.stack([-left, -world[:, 2], ahead], axis=1))
 
-    def _command(self, gesture: Gesture | None, now_ns: int) -> Command | None:
-        if gesture is None or gesture.label is None:
-            return None
-        command = self.commands.get(gesture.label)
-        if command is None:
-            return None
-        urgent = command in (Command.STOP, Command.LAND)
-        if (
-            not urgent
-            and self._commanded_ns is not None
-            and (now_ns - self._commanded_ns) * 1e-9 < self.config.rest_between_s
-        ):
-            return None
-        self._commanded_ns = now_ns
-        return command
-
-    def _fly(self, command: Command | None, state: VehicleState, now_ns: int) -> Verdict:
-        known = self.track.seen_ns is not None
-        operator = self.track.position_m(now_ns)
-        sight = (operator - state.position_m)[:2]
-        distance = float(np.linalg.norm(sight))
-        mode = self.vehicle.mode
-        wanted = HOVER
-        before = self.supervisor.mode
-        if known and before in (Mode.FOLLOWING, Mode.HOLDING):
-            dt_s = 0.0 if self._last_ns is None else (now_ns - self._last_ns) * 1e-9
-            if before is Mode.FOLLOWING:
-                self.movement.update(dt_s, state.position_m, operator)
-            wanted = self.follow.setpoint(self.track, state, self.movement.goal, now_ns)
-        else:
-            self.follow.reset()
-        verdict = self.supervisor.step(
-            Situation(
-                now_ns,
-                self.track.seen_ns,
-                state.stamp_ns,
-                distance if known else None,
-                wrap(float(np.arctan2(sight[1], sight[0])) - state.heading_rad),
-                mode in (FlightMode.HOLDING, FlightMode.STEERED),
-                mode in (FlightMode.DISARMED, FlightMode.READY),
-                command,
-                wanted,
-            )
-        )
-        self._apply(verdict, before, distance, float(state.position_m[2]), now_ns)
-        return verdict
-
-    def _apply(
-        self, verdict: Verdict, before: Mode, distance_m: float, altitude_m: float, now_ns: int
-    ) -> None:
-        if verdict.mode is not Mode.FOLLOWING and before is Mode.FOLLOWING:
-            self.movement.cancel(distance_m, altitude_m)
-        if verdict.mode is Mode.FOLLOWING and before is Mode.TAKING_OFF:
-            self.movement.approach(distance_m, self.config.goal)
-        elif verdict.mode is Mode.FOLLOWING and before is not Mode.FOLLOWING:
-            self.movement.cancel(distance_m, altitude_m)
-        if verdict.accepted is not None:
-            self.movement.start(verdict.accepted)
+    def _fly(
+        self, command: Command | None, gesture: Gesture | None, state: VehicleState, now_ns: int
+    ) -> tuple[Situation, Verdict, Setpoint, Permit]:
+        """Decide, and let the vehicle know in the same turn: first the set-point, then what is asked."""
+        before, track = self.supervisor.mode, self.track
+        situation = self._situation(command, gesture, state, now_ns)
+        verdict = self.supervisor.step(situation)
+        self.helm.enter(before, verdict, track, state)
+        wish = self.helm.wish(verdict.mode, track, state, now_ns)
+        sent = self.supervisor.permit(situation, wish)
+        if sent.setpoint is not None:
+            self.vehicle.send(sent.setpoint, now_ns)
         match verdict.action:
-            case Action.TAKE_OFF:
+            case Action.ARM:
                 self.vehicle.arm()
+            case Action.TAKE_OFF:
                 self.vehicle.take_off(self.config.goal.altitude_m)
             case Action.LAND:
                 self.vehicle.land()
@@ -219,8 +225,56 @@ class Pilot:
                 self.vehicle.hold()
             case Action.NONE:
                 pass
-        if verdict.mode in (Mode.FOLLOWING, Mode.HOLDING, Mode.LOST_PERSON) and verdict.action is Action.NONE:
-            self.vehicle.send(verdict.setpoint, now_ns)
+        return situation, verdict, wish, sent
+
+    def _situation(
+        self, command: Command | None, gesture: Gesture | None, state: VehicleState, now_ns: int
+    ) -> Situation:
+        """Say all that is known as plain values."""
+        track = self.track
+        sight = (track.position_m(now_ns) - state.position_m)[:2]
+        known = track.seen_ns is not None
+        east, north, up = (float(v) for v in state.position_m)
+        return Situation(
+            now_ns,
+            CRAFT[self.vehicle.mode],
+            state.stamp_ns,
+            state.stamp_ns if state.link_ns is None else state.link_ns,
+            (east, north, up),
+            state.heading_rad,
+            state.battery,
+            state.healthy,
+            self._camera_ns,
+            track.seen_ns,
+            float(np.hypot(sight[0], sight[1])) if known else None,
+            wrap(float(np.arctan2(sight[1], sight[0])) - state.heading_rad),
+            track.person,
+            track.since_ns,
+            self._rested_ns,
+            self._deaf_ns,
+            self.helm.moving,
+            command,
+            0.0 if gesture is None else _held_s(gesture),
+        )
 
 
-__all__ = ["Pilot", "PilotConfig", "PoseSource", "Setpoint", "Step"]
+CRAFT: dict[FlightMode, Craft] = {
+    FlightMode.DISARMED: Craft.DOWN,
+    FlightMode.READY: Craft.ARMED,
+    FlightMode.TAKING_OFF: Craft.CLIMBING,
+    FlightMode.HOLDING: Craft.AIRBORNE,
+    FlightMode.STEERED: Craft.AIRBORNE,
+    FlightMode.LANDING: Craft.SINKING,
+    FlightMode.MANUAL: Craft.PILOTED,
+    FlightMode.FAILSAFE: Craft.OWN,
+}
+"""What a vehicle's mode means to the supervisor."""
+
+
+def _held_s(gesture: Gesture) -> float:
+    """Return how long the movement was that was judged, seconds."""
+    until_ns = min(gesture.end_ns or gesture.decided_ns, gesture.decided_ns)
+    return max(0.0, (until_ns - gesture.onset_ns) * 1e-9)
+
+
+__all__ = ["CRAFT", "Pilot", "PilotConfig", "PoseSource", "Step"]

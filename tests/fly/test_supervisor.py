@@ -1,132 +1,95 @@
-"""The supervisor is stepped by hand: every row states time, situation and what must come out."""
+"""The supervisor, stepped by hand through short flights, with all of its rules and without any one."""
 
-from dataclasses import replace
+from __future__ import annotations
 
-import numpy as np
 import pytest
-from hypothesis import example, given
-from hypothesis import strategies as st
 
-from wigwag.fly.supervisor import Action, Mode, Situation, Supervisor, SupervisorConfig
-from wigwag.fly.values import HOVER, Command, Setpoint
-
-S = 10**9
-WALK = Setpoint((0.5, 0.2, 0.1), 0.3)
-
-
-def seen(now_s: float, **changes: object) -> Situation:
-    now = int(now_s * S)
-    base = Situation(now, now, now, 4.0, 0.0, flying=True, landed=False, wanted=WALK)
-    return replace(base, **changes)  # type: ignore[arg-type]
+from tests.fly.scenarios import SCENARIOS, Scenario
+from tests.fly.scene import S, Scene, flying
+from wigwag.errors import InputError
+from wigwag.fly.limits import SupervisorConfig
+from wigwag.fly.situation import Craft, Memory, Mode, Situation, age_s
+from wigwag.fly.supervisor import RULES, Supervisor, decide
+from wigwag.fly.values import Command
 
 
-def following(config: SupervisorConfig | None = None) -> Supervisor:
-    supervisor = Supervisor(config)
-    ground = seen(0.0, flying=False, landed=True, command=Command.TAKE_OFF)
-    assert supervisor.step(ground).action is Action.TAKE_OFF
-    assert supervisor.step(seen(0.1, flying=False)).mode is Mode.TAKING_OFF
-    assert supervisor.step(seen(0.2)).mode is Mode.FOLLOWING
-    return supervisor
+@pytest.mark.parametrize("play", SCENARIOS, ids=lambda play: play.__name__)
+def test_scenario(play: Scenario) -> None:
+    play(RULES)
 
 
-def test_grounded_sends_nothing_and_takes_no_movement() -> None:
-    supervisor = Supervisor()
-    verdict = supervisor.step(seen(0, flying=False, landed=True, command=Command.LEFT))
-    assert (verdict.mode, verdict.setpoint, verdict.accepted) == (Mode.GROUNDED, HOVER, None)
+RULE_NAMES = [
+    *(row.name for row in RULES.table),
+    *(watch.__name__ for watch in RULES.watches.values()),
+    *(gate.name for gate in RULES.gates),
+    *(guard.__name__ for guard in RULES.guards),
+]
 
 
-def test_no_take_off_without_an_operator_in_view() -> None:
-    supervisor = Supervisor()
-    blind = seen(5, pose_ns=None, distance_m=None, flying=False, landed=True, command=Command.TAKE_OFF)
-    assert supervisor.step(blind).action is Action.NONE
-    assert supervisor.step(replace(blind, pose_ns=4 * S, distance_m=4.0)).action is Action.NONE
+@pytest.mark.parametrize("name", RULE_NAMES)
+def test_without_any_single_rule_a_scenario_fails(name: str) -> None:
+    rules = RULES.without(name)
+    count = sum(map(len, (rules.table, rules.watches, rules.gates, rules.guards)))
+    assert count < sum(map(len, (RULES.table, RULES.watches, RULES.gates, RULES.guards)))
 
+    def fails(play: Scenario) -> bool:
+        try:
+            play(rules)
+        except AssertionError:
+            return True
+        return False
 
-def test_follows_and_lets_movements_through() -> None:
-    supervisor = following()
-    assert supervisor.step(seen(1)).setpoint == WALK
-    assert supervisor.step(seen(2, command=Command.UP)).accepted is Command.UP
+    assert any(fails(play) for play in SCENARIOS), f"nothing notices that {name!r} is missing"
 
 
 @pytest.mark.parametrize(
-    "mode", [Mode.TAKING_OFF, Mode.FOLLOWING, Mode.HOLDING, Mode.LANDING, Mode.LOST_PERSON]
+    ("row", "mode"), [(row.name, mode) for row in RULES.table for mode in row.sources], ids=str
 )
-def test_stop_and_land_win_from_every_mode_in_the_air(mode: Mode) -> None:
-    for command, action, after in (
-        (Command.STOP, Action.HOLD, Mode.HOLDING),
-        (Command.LAND, Action.LAND, Mode.LANDING),
-    ):
-        supervisor = following()
-        supervisor.mode = mode
-        # Stop and land count even when nothing is known of the operator or the vehicle any more.
-        verdict = supervisor.step(
-            seen(9, pose_ns=0, state_ns=0, distance_m=None, flying=mode is not Mode.LANDING, command=command)
-        )
-        assert (verdict.mode, verdict.action, verdict.setpoint) == (after, action, HOVER)
+def test_each_rule_is_named_once(row: str, mode: Mode) -> None:
+    assert RULE_NAMES.count(row) == 1
+    assert [r.name for r in RULES.rows[mode]].count(row) == 1
 
 
-def test_stop_holds_until_the_next_command() -> None:
-    supervisor = following()
-    supervisor.step(seen(1, command=Command.STOP))
-    for step in range(300):
-        verdict = supervisor.step(seen(1 + step / 30))
-        assert verdict.mode is Mode.HOLDING
-        assert verdict.setpoint == Setpoint((0, 0, 0), WALK.yaw_rate_rad_s)
-    assert supervisor.step(seen(12, command=Command.CLOSER)).mode is Mode.FOLLOWING
+def test_deciding_is_a_function_of_its_arguments() -> None:
+    memory = Memory(Mode.FOLLOWING)
+    situation = Situation(5 * S, Craft.AIRBORNE, 5 * S, 5 * S, pose_ns=5 * S, distance_m=4.0)
+    first = decide(memory, situation, SupervisorConfig())
+    assert first == decide(memory, situation, SupervisorConfig())
+    assert memory == Memory(Mode.FOLLOWING), "what was handed in stays as it was"
 
 
-def test_lost_person_stops_then_follows_again_or_lands() -> None:
-    supervisor = following(SupervisorConfig(land_when_lost_s=5.0))
-    assert supervisor.step(seen(1.4, pose_ns=int(1.0 * S))).mode is Mode.FOLLOWING
-    verdict = supervisor.step(seen(1.6, pose_ns=int(1.0 * S)))
-    assert (verdict.mode, verdict.setpoint) == (Mode.LOST_PERSON, HOVER)
-    assert supervisor.step(seen(2)).mode is Mode.FOLLOWING
-    assert supervisor.step(seen(3, pose_ns=2 * S)).mode is Mode.LOST_PERSON
-    assert supervisor.step(seen(7.9, pose_ns=2 * S)).mode is Mode.LOST_PERSON
-    assert supervisor.step(seen(8.1, pose_ns=2 * S)).action is Action.LAND
+def test_a_taken_over_vehicle_with_nobody_in_view_hovers() -> None:
+    scene = Scene(mode=Mode.FOLLOWING)
+    scene.known["distance_m"] = None
+    scene.ages["pose_ns"] = None
+    assert scene.turn().mode is Mode.LOST_PERSON
 
 
-def test_stale_vehicle_state_holds() -> None:
-    verdict = following().step(seen(2, state_ns=1 * S))
-    assert (verdict.action, verdict.setpoint) == (Action.HOLD, HOVER)
+def test_reasons_are_said() -> None:
+    scene = flying()
+    assert scene.turn(Command.TAKE_OFF).reason == "take_off: not while following"
+    scene.known["battery"] = 0.2
+    assert scene.turn(Command.UP).reason == "up: not while following; battery low"
 
 
-def test_landing_ends_grounded() -> None:
-    supervisor = following()
-    supervisor.step(seen(1, command=Command.LAND))
-    assert supervisor.step(seen(2, flying=False)).mode is Mode.LANDING
-    assert supervisor.step(seen(3, flying=False, landed=True)).mode is Mode.GROUNDED
+def test_a_stamp_just_ahead_of_the_clock_is_fresh_and_one_from_the_future_is_not() -> None:
+    assert age_s(10 * S, 10 * S + S // 20) == pytest.approx(-0.05)
+    assert age_s(10 * S, 11 * S) == float("inf")
 
 
-@given(
-    distance=st.floats(0.1, 1.99),
-    bearing=st.floats(-1, 1),
-    forward=st.floats(-5, 5),
-    left=st.floats(-5, 5),
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"max_speed_m_s": -1.0}, "max_speed_m_s must be 0 or more, but got -1.0"),
+        ({"min_distance_m": 9.0}, "min_distance_m must be below max_distance_m"),
+        ({"battery_critical": 0.5}, "battery_critical must be below battery_low"),
+        ({"retreat_m_s": float("nan")}, "retreat_m_s must be 0 or more"),
+    ],
 )
-def test_too_close_always_retreats(distance: float, bearing: float, forward: float, left: float) -> None:
-    config = SupervisorConfig(max_speed_m_s=20.0)
-    wanted = Setpoint((forward, left, 0.0), 0.0)
-    verdict = following(config).step(seen(1, distance_m=distance, bearing_rad=bearing, wanted=wanted))
-    ahead = np.array([np.cos(bearing), np.sin(bearing)])
-    assert np.array(verdict.setpoint.velocity_m_s[:2]) @ ahead <= -config.retreat_m_s + 1e-9
+def test_limits_that_make_no_sense_are_an_error(changes: dict[str, float], says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        SupervisorConfig(**changes)  # type: ignore[arg-type]
 
 
-@given(st.tuples(*[st.floats(allow_nan=True, allow_infinity=True)] * 4))
-@example((1.3e308, 1.3e308, 0.0, 0.0))  # finite, but its speed is not
-def test_no_setpoint_beyond_the_limits(values: tuple[float, float, float, float]) -> None:
-    supervisor, config = Supervisor(), SupervisorConfig()
-    limited = supervisor.limited(Setpoint(values[:3], values[3]))
-    assert np.isfinite([*limited.velocity_m_s, limited.yaw_rate_rad_s]).all()
-    assert np.hypot(*limited.velocity_m_s[:2]) <= config.max_speed_m_s * (1 + 1e-9)
-    assert abs(limited.velocity_m_s[2]) <= config.max_climb_m_s
-    assert abs(limited.yaw_rate_rad_s) <= config.max_yaw_rate_rad_s
-
-
-def test_a_vehicle_that_hovers_already_is_taken_over() -> None:
-    supervisor = Supervisor(mode=Mode.FOLLOWING)
-    assert supervisor.step(seen(1)).setpoint == WALK
-    blind = Supervisor(mode=Mode.FOLLOWING).step(seen(1, pose_ns=None, distance_m=None))
-    assert (blind.mode, blind.setpoint) == (Mode.LOST_PERSON, HOVER)
-    ashore = Supervisor(mode=Mode.FOLLOWING).step(seen(1, flying=False, landed=True))
-    assert (ashore.mode, ashore.setpoint) == (Mode.GROUNDED, HOVER)
+def test_a_supervisor_begins_on_the_ground() -> None:
+    assert Supervisor().mode is Mode.DISARMED

@@ -129,7 +129,7 @@ def test_a_followed_person_costs_no_search_and_a_search_few_runs(
     assert blazepose.track(photo) is not None
     assert not runs
     places = set()
-    for _ in range(80):
+    for _ in range(160):
         runs.clear()
         assert blazepose.track(blank) is None
         assert len(runs) <= 2

@@ -13,7 +13,7 @@ from wigwag.pose import mediapipe
 from wigwag.pose.blazepose import BlazePose
 from wigwag.pose.body import Body
 from wigwag.pose.engine import ENGINES, PoseEngine, open_engine
-from wigwag.pose.estimator import PoseEstimator
+from wigwag.pose.estimator import PoseConfig, PoseEstimator
 
 
 def test_the_default_is_blazepose_on_litert(networks: BlazePose) -> None:
@@ -77,7 +77,7 @@ def test_the_estimator_takes_any_engine() -> None:
             self.resets += 1
 
     engine = Nobody()
-    estimator = PoseEstimator(tracker=engine)
+    estimator = PoseEstimator(PoseConfig.alone(), tracker=engine)
     before = engine.resets
     picture, depth = np.zeros((4, 4, 3), np.uint8), np.zeros((4, 4), np.uint16)
     assert estimator(Frame(picture, depth, Intrinsics(), 1)) is None

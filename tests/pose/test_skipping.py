@@ -14,7 +14,6 @@ from wigwag.camera.live import LiveCamera
 from wigwag.evaluate.chain import Slowed
 from wigwag.pose.body import Body
 from wigwag.pose.estimator import PoseConfig, PoseEstimator
-from wigwag.pose.operator import OperatorConfig
 
 SOURCE_HZ, ENGINE_HZ, MINUTES = 120, 15, 10
 SECOND_NS = 1_000_000_000
@@ -45,9 +44,6 @@ class Standing:
         pass
 
 
-ALONE = PoseConfig(operator=OperatorConfig(engage="first"))
-
-
 def test_the_pose_is_no_older_than_one_engine_period_and_a_frame_for_ten_minutes() -> None:
     source = Deep(SOURCE_HZ)
     engine = Slowed(
@@ -57,7 +53,7 @@ def test_the_pose_is_no_older_than_one_engine_period_and_a_frame_for_ten_minutes
         wait=lambda seconds: source.go_to(source.now_ns + round(seconds * SECOND_NS)),
     )
     bound_ns = SECOND_NS // ENGINE_HZ + SECOND_NS // SOURCE_HZ + 1000  # of rounding
-    estimator, oldest_ns, before_ns, blocks = PoseEstimator(ALONE, tracker=engine), 0, 0, []
+    estimator, oldest_ns, before_ns, blocks = PoseEstimator(PoseConfig.alone(), tracker=engine), 0, 0, []
     with LiveCamera(source) as camera:
         source.go_to(source.period_ns)
         for k in range(MINUTES * 60 * ENGINE_HZ):

@@ -11,6 +11,7 @@ from wigwag.cli.benchmark_camera import CameraBenchmark
 from wigwag.cli.benchmark_dtw import DtwBenchmark
 from wigwag.cli.benchmark_far import FarBenchmark
 from wigwag.cli.benchmark_few_shot import FewShotBenchmark
+from wigwag.cli.benchmark_follow import FollowBenchmark
 from wigwag.cli.benchmark_gallery import GalleryBenchmark
 from wigwag.cli.benchmark_lift import LiftBenchmark
 from wigwag.cli.benchmark_link import LinkBenchmark
@@ -37,6 +38,7 @@ class Benchmark:
             | Annotated[GalleryBenchmark, tyro.conf.subcommand("gallery")]
             | Annotated[FewShotBenchmark, tyro.conf.subcommand("few-shot")]
             | Annotated[RejectBenchmark, tyro.conf.subcommand("reject")]
+            | Annotated[FollowBenchmark, tyro.conf.subcommand("follow")]
             | Annotated[LinkBenchmark, tyro.conf.subcommand("link")]
             | Annotated[OperatorBenchmark, tyro.conf.subcommand("operator")]
             | Annotated[TransferBenchmark, tyro.conf.subcommand("transfer")]

@@ -23,7 +23,7 @@ from wigwag.evaluate.pictures import Endless, deserted, moving
 from wigwag.evaluate.threads import one_core
 from wigwag.pose.body import Body
 from wigwag.pose.engine import EngineName, ModelName, Picture, PoseEngine, open_engine
-from wigwag.pose.estimator import PoseEstimator
+from wigwag.pose.estimator import PoseConfig, PoseEstimator
 
 FAST_HZ, SLOW_HZ = 120.0, 15.0
 """A camera, and an engine that cannot keep up with it."""
@@ -110,7 +110,7 @@ def measure_chain(
                 progress(what, done, total)
                 yield frame
 
-        PoseEstimator(tracker=engine)(frames[0])  # compiles
+        PoseEstimator(PoseConfig.alone(), tracker=engine)(frames[0])  # compiles
         yield following(engine, watched(moving(seconds, seed), "following"))
         yield searching(engine, watched(deserted(seconds, seed), "searching"), "searching, nobody there")
         far = moving(seconds, seed, FAR_M)
@@ -128,7 +128,7 @@ def following(
 ) -> Measured:
     """Time frames in which the person is followed: there before, and there now."""
     measured = Measured("following", expected=">= 45 frames/s")
-    estimator, before = PoseEstimator(tracker=engine), False
+    estimator, before = PoseEstimator(PoseConfig.alone(), tracker=engine), False
     for frame in frames:
         began = clock()
         pose = estimator(frame)
@@ -144,7 +144,7 @@ def searching(
 ) -> Measured:
     """Time frames in which nobody is followed yet; whoever is found is forgotten, and looked for again."""
     measured = Measured(what, expected=">= 20 frames/s")
-    estimator = PoseEstimator(tracker=engine)
+    estimator = PoseEstimator(PoseConfig.alone(), tracker=engine)
     for frame in frames:
         began = clock()
         estimator(frame)
@@ -205,7 +205,7 @@ def lateness(
         bound_ms = 1e3 * (engine.period_s + 1 / rate_hz)
         measured.measure += f", engine at {1 / engine.period_s:.0f} Hz"
         measured.expected = f"<= {bound_ms:.0f} ms and the lifting, always"
-    estimator = PoseEstimator(tracker=engine)
+    estimator = PoseEstimator(PoseConfig.alone(), tracker=engine)
     with LiveCamera(Paced(Endless(frames, rate_hz))) as camera:
         while len(measured.ms) < count:
             if (frame := camera.latest()) is not None:

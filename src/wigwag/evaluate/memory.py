@@ -34,9 +34,9 @@ def run(
     """Play a folder of colour and depth pictures so many times and find the operator in each."""
     from wigwag.cameras import open_camera
     from wigwag.pose.engine import open_engine
-    from wigwag.pose.estimator import PoseEstimator
+    from wigwag.pose.estimator import PoseConfig, PoseEstimator
 
-    estimator = PoseEstimator(tracker=open_engine(engine, model, models_dir))
+    estimator = PoseEstimator(PoseConfig.alone(), tracker=open_engine(engine, model, models_dir))
     held, found = [], 0
     for _ in range(rounds):
         estimator.reset()

@@ -10,7 +10,7 @@ import numpy as np
 
 from wigwag.camera import Frame
 from wigwag.evaluate.flight import FlightLog, Row
-from wigwag.fly.supervisor import Mode
+from wigwag.fly.situation import Mode
 from wigwag.pilot import Pilot, Step
 from wigwag.sim.script import Script
 from wigwag.sim.world import World
@@ -67,7 +67,7 @@ class Session:
         row = Row(
             time_s=now.stamp_ns * 1e-9,
             found=found,
-            flying=step.verdict.mode is Mode.FOLLOWING,
+            flying=step.verdict.mode in (Mode.FOLLOWING, Mode.EXECUTING),
             bearing_deg=float(np.degrees(now.bearing_rad)),
             distance_error_m=now.distance_m - step.goal.distance_m,
             drone_m=(float(drone[0]), float(drone[1]), float(drone[2])),

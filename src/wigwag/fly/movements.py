@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,8 +26,14 @@ class MovementConfig:
     orbit_rad: float = 2 * np.pi
     """Angle flown around the operator on orbit; any other command ends it sooner."""
     orbit_m_s: float = 0.6
-    coast_s: float = 0.3
-    """A drone told to stop travels on for about this long; arcs end that much sooner."""
+    slowing_1_s: float = 1.6
+    """Speed for each metre that is left of the way: every movement ends gently."""
+    near_m: float = 0.01
+    """So near its end a movement has ended."""
+    lead_m: float = 0.5
+    """A drone that is held up is waited for: the goal is no farther ahead of it than this."""
+    patience_s: float = 4.0
+    """Longer than it should take, by this and half as much again, a movement gives up."""
     min_distance_m: float = 2.8
     max_distance_m: float = 5.5
     min_altitude_m: float = 0.8
@@ -35,6 +42,9 @@ class MovementConfig:
 
 class Movement:
     """The movement in progress, if any: it moves the follow law's goal until its end is reached.
+
+    Distance, height and the angle around the operator are moved alike: at a set speed, gently at the end, and
+    no farther ahead of the drone than ``lead_m``.
 
     Args:
         config: Sizes, speeds and bounds.
@@ -45,26 +55,26 @@ class Movement:
         self.config = config or MovementConfig()
         self.goal = goal or Goal()
         self.command: Command | None = None
-        self._target = self.goal
-        self._arc_left_rad = 0.0
-        self._angle_rad: float | None = None
+        """What is under way."""
+        self._distance_m, self._altitude_m = self.goal.distance_m, self.goal.altitude_m
+        self._arc_left_m, self._around_m_s = 0.0, 0.0
+        self._left_s = 0.0
 
     def start(self, command: Command) -> None:
         """Begin a movement; it replaces the one in progress.
 
         The operator faces the drone, so the operator's left is the drone's right.
         """
-        config, goal = self.config, replace(self.goal, tangential_m_s=0.0)
-        self.goal, self._target, self._angle_rad, self._arc_left_rad = goal, goal, None, 0.0
+        config = self.config
+        self._stop()
         self.command = command
-        sideways_rad = config.sideways_m / goal.distance_m
         match command:
             case Command.LEFT:
-                self._arc(sideways_rad, -config.sideways_m_s)
+                self._arc(config.sideways_m, -config.sideways_m_s)
             case Command.RIGHT:
-                self._arc(sideways_rad, config.sideways_m_s)
+                self._arc(config.sideways_m, config.sideways_m_s)
             case Command.ORBIT:
-                self._arc(config.orbit_rad, config.orbit_m_s)
+                self._arc(config.orbit_rad * self.goal.distance_m, config.orbit_m_s)
             case Command.UP:
                 self._climb(config.altitude_step_m)
             case Command.DOWN:
@@ -79,68 +89,113 @@ class Movement:
     def cancel(self, distance_m: float, altitude_m: float) -> None:
         """End the movement where the drone is; what it has there becomes the goal, within bounds."""
         config = self.config
-        self.goal = self._target = Goal(
+        self.goal = Goal(
             float(np.clip(distance_m, config.min_distance_m, config.max_distance_m)),
             float(np.clip(altitude_m, config.min_altitude_m, config.max_altitude_m)),
         )
         self.command = None
+        self._stop()
 
-    def approach(self, distance_m: float, wanted: Goal) -> None:
-        """Begin where the drone is, at ``distance_m``, and move smoothly to what is wanted."""
-        self.goal = replace(wanted, distance_m=distance_m)
-        self._target = wanted
+    def approach(self, distance_m: float, altitude_m: float, wanted: Goal) -> None:
+        """Begin where the drone is and move smoothly to what is wanted."""
+        self.goal = replace(wanted, distance_m=distance_m, altitude_m=altitude_m)
+        self._stop()
+        self._distance_m, self._altitude_m = wanted.distance_m, wanted.altitude_m
         self.command = Command.TAKE_OFF
+        self._give(
+            abs(distance_m - wanted.distance_m) / self.config.distance_m_s
+            + abs(altitude_m - wanted.altitude_m) / self.config.climb_m_s
+        )
 
     def update(
-        self, dt_s: float, drone_m: Float[np.ndarray, " 3"], operator_m: Float[np.ndarray, " 3"]
+        self,
+        dt_s: float,
+        drone_m: Float[np.ndarray, " 3"],
+        operator_m: Float[np.ndarray, " 3"],
+        altitude_m: float | None = None,
     ) -> Goal:
         """Move the goal on by ``dt_s`` and return it.
 
         Args:
             dt_s: Seconds since the last call.
-            drone_m: World ENU.
-            operator_m: World ENU.
+            drone_m: Where the drone will be when the vehicle answers, world ENU.
+            operator_m: Where the operator will be then, world ENU.
+            altitude_m: The drone's height then, counted as the goal's is; its own if ``None``.
         """
+        offset = (drone_m - operator_m)[:2]
+        distance, angle = math.hypot(offset[0], offset[1]), math.atan2(offset[1], offset[0])
+        height = float(drone_m[2]) if altitude_m is None else altitude_m
+        if self.goal.angle_rad is None:
+            self.goal = replace(self.goal, angle_rad=angle)
         if self.command is None:
             return self.goal
-        config = self.config
-        if self.goal.tangential_m_s:
-            offset = (drone_m - operator_m)[:2]
-            angle = float(np.arctan2(offset[1], offset[0]))
-            if self._angle_rad is not None:
-                # The drone looks at the operator: moving to its own left takes it clockwise around them.
-                flown = -wrap(angle - self._angle_rad) * np.sign(self.goal.tangential_m_s)
-                self._arc_left_rad -= flown
-            self._angle_rad = angle
-            coast_m = abs(self.goal.tangential_m_s) * config.coast_s
-            if self._arc_left_rad * self.goal.distance_m <= coast_m:
-                self.goal = replace(self.goal, tangential_m_s=0.0)
-                self.command = None
+        self._left_s -= dt_s
+        if self._left_s < 0:
+            self.cancel(distance, height)
             return self.goal
-        self.goal = Goal(
-            _toward(self.goal.distance_m, self._target.distance_m, config.distance_m_s * dt_s),
-            _toward(self.goal.altitude_m, self._target.altitude_m, config.climb_m_s * dt_s),
-        )
-        if self.goal == self._target:
+        self._on(dt_s, distance, height, angle)
+        if self._arrived():
             self.command = None
+            self.goal = replace(self.goal, distance_m=self._distance_m, altitude_m=self._altitude_m)
+            self._stop()
         return self.goal
 
-    def _arc(self, angle_rad: float, tangential_m_s: float) -> None:
-        self._arc_left_rad = angle_rad
-        self.goal = replace(self.goal, tangential_m_s=tangential_m_s)
+    def _on(self, dt_s: float, distance_m: float, height_m: float, angle_rad: float) -> None:
+        """Move every part of the goal on towards its end."""
+        goal, config = self.goal, self.config
+        assert goal.angle_rad is not None
+        receding = self._rate(
+            self._distance_m - goal.distance_m, config.distance_m_s, goal.distance_m - distance_m
+        )
+        climbing = self._rate(
+            self._altitude_m - goal.altitude_m, config.climb_m_s, goal.altitude_m - height_m
+        )
+        # The drone looks at the operator: moving to its own left takes it clockwise around them.
+        lead = wrap(angle_rad - goal.angle_rad) * goal.distance_m
+        left = math.copysign(self._arc_left_m, self._around_m_s)
+        around = self._rate(left, abs(self._around_m_s), lead)
+        self._arc_left_m = max(0.0, self._arc_left_m - abs(around) * dt_s)
+        self.goal = Goal(
+            goal.distance_m + receding * dt_s,
+            goal.altitude_m + climbing * dt_s,
+            wrap(goal.angle_rad - around * dt_s / goal.distance_m),
+            around, receding, climbing,
+        )  # fmt: skip
+
+    def _rate(self, left_m: float, speed_m_s: float, lead_m: float) -> float:
+        """Return the speed of a part of the goal: gentle at its end, none while the drone is far behind."""
+        if abs(left_m) <= self.config.near_m or lead_m * math.copysign(1.0, left_m) > self.config.lead_m:
+            return 0.0
+        return math.copysign(min(speed_m_s, self.config.slowing_1_s * abs(left_m)), left_m)
+
+    def _arrived(self) -> bool:
+        near = self.config.near_m
+        return (
+            abs(self._distance_m - self.goal.distance_m) <= near
+            and abs(self._altitude_m - self.goal.altitude_m) <= near
+            and self._arc_left_m <= near
+        )
+
+    def _stop(self) -> None:
+        """Let the goal stay as it is."""
+        self.goal = replace(self.goal, tangential_m_s=0.0, receding_m_s=0.0, climbing_m_s=0.0)
+        self._distance_m, self._altitude_m = self.goal.distance_m, self.goal.altitude_m
+        self._arc_left_m = self._around_m_s = 0.0
+
+    def _arc(self, length_m: float, tangential_m_s: float) -> None:
+        self._arc_left_m, self._around_m_s = length_m, tangential_m_s
+        self._give(length_m / abs(tangential_m_s))
 
     def _climb(self, step_m: float) -> None:
-        altitude = float(
-            np.clip(self.goal.altitude_m + step_m, self.config.min_altitude_m, self.config.max_altitude_m)
-        )
-        self._target = replace(self.goal, altitude_m=altitude)
+        c = self.config
+        self._altitude_m = float(np.clip(self.goal.altitude_m + step_m, c.min_altitude_m, c.max_altitude_m))
+        self._give(abs(step_m) / c.climb_m_s)
 
     def _approach(self, step_m: float) -> None:
-        distance = float(
-            np.clip(self.goal.distance_m + step_m, self.config.min_distance_m, self.config.max_distance_m)
-        )
-        self._target = replace(self.goal, distance_m=distance)
+        c = self.config
+        self._distance_m = float(np.clip(self.goal.distance_m + step_m, c.min_distance_m, c.max_distance_m))
+        self._give(abs(step_m) / c.distance_m_s)
 
-
-def _toward(value: float, target: float, step: float) -> float:
-    return target if abs(target - value) <= step else value + float(np.copysign(step, target - value))
+    def _give(self, needed_s: float) -> None:
+        """Set the time after which the movement gives up."""
+        self._left_s = 1.5 * needed_s + self.config.patience_s

@@ -48,6 +48,11 @@ class PoseConfig:
     least_trust: float = 0.08
     """How far a landmark that is not seen moves towards each new guess."""
 
+    @classmethod
+    def alone(cls) -> PoseConfig:
+        """Return options for one person alone before the camera: whoever is found first is the operator."""
+        return cls(operator=OperatorConfig(engage="first"))
+
 
 @dataclass(frozen=True, slots=True)
 class Person:

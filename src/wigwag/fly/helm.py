@@ -1,0 +1,84 @@
+"""The follow law and the movements, kept in step with what the supervisor decides."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wigwag.fly.follow import FollowConfig, FollowLaw, Goal
+from wigwag.fly.movements import Movement, MovementConfig
+from wigwag.fly.operator import OperatorTrack
+from wigwag.fly.situation import Mode, Verdict
+from wigwag.fly.values import HOVER, Setpoint, VehicleState
+
+_FLOWN = (Mode.FOLLOWING, Mode.EXECUTING)
+
+
+class Helm:
+    """Says what it would like to fly in each mode; what may be flown is the supervisor's word.
+
+    Args:
+        goal: What is kept after taking off.
+        follow: Gains of the follow law.
+        movement: Sizes and bounds of the commands' movements.
+    """
+
+    def __init__(
+        self,
+        goal: Goal | None = None,
+        follow: FollowConfig | None = None,
+        movement: MovementConfig | None = None,
+    ) -> None:
+        self.start = goal or Goal()
+        self.law = FollowLaw(follow)
+        self.movement = Movement(movement, self.start)
+        self._last_ns: int | None = None
+        self._level = False
+
+    @property
+    def moving(self) -> bool:
+        """Whether a movement is under way."""
+        return self.movement.command is not None
+
+    def enter(self, before: Mode, verdict: Verdict, track: OperatorTrack, state: VehicleState) -> None:
+        """Take in what the supervisor has just decided."""
+        mode = verdict.mode
+        if mode in _FLOWN and before not in _FLOWN:
+            if before is Mode.TAKING_OFF or not self._level:
+                self.law.level(track.height_m)
+                self._level = True
+            self.law.reset()
+            here = self._here(track, state)
+            if before is Mode.TAKING_OFF:
+                self.movement.approach(*here, self.start)
+            else:
+                self.movement.cancel(*here)
+        elif before in _FLOWN and mode not in _FLOWN:
+            self.movement.cancel(*self._here(track, state))
+            self.law.reset()
+        if verdict.accepted is not None and mode is Mode.EXECUTING:
+            self.movement.start(verdict.accepted)
+
+    def wish(self, mode: Mode, track: OperatorTrack, state: VehicleState, now_ns: int) -> Setpoint:
+        """Return the set-point that is wanted in a mode.
+
+        Args:
+            mode: As decided for this turn.
+            track: The operator's.
+            state: The drone's newest.
+            now_ns: Monotonic nanoseconds.
+        """
+        step_s = 0.0 if self._last_ns is None else (now_ns - self._last_ns) * 1e-9
+        self._last_ns = now_ns
+        if track.seen_ns is None or mode not in (*_FLOWN, Mode.HOLDING):
+            return HOVER
+        if mode is Mode.HOLDING:
+            return self.law.turn(track, state, now_ns)
+        drone, operator = self.law.places(track, state, now_ns)
+        height_m = float(drone[2]) - self.law.rise(track)
+        goal = self.movement.update(min(max(step_s, 0.0), 0.2), drone, operator, height_m)
+        return self.law.setpoint(track, state, goal, now_ns)
+
+    def _here(self, track: OperatorTrack, state: VehicleState) -> tuple[float, float]:
+        """Return distance and height as the goal counts them."""
+        away = (track.position_m(state.stamp_ns) - state.position_m)[:2]
+        return float(np.hypot(away[0], away[1])), float(state.position_m[2]) - self.law.rise(track)
