@@ -1,21 +1,23 @@
 """People and poses for views to show."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from wigwag.pose.body import N_POINTS, Body
+from wigwag.pose.estimator import Person
 from wigwag.skeleton import Pose
 
 
-@dataclass(frozen=True)
-class Somebody:
-    id: int = 1
-    body: Body | None = None
-    pose: Pose | None = None
-    is_operator: bool = False
-    progress: float = 0.0
-    note: str = ""
+def somebody(
+    number: int,
+    body: Body | None = None,
+    pose: Pose | None = None,
+    *,
+    is_operator: bool = False,
+    engaging: float = 0.0,
+    disengaging: float = 0.0,
+) -> Person:
+    at = np.array([0.5, 0.3, 4.0]) if pose is None else pose.hip_center
+    return Person(number, is_operator, body, pose, at, 0, engaging, disengaging)
 
 
 def standing(stamp_ns: int = 0, at_m: tuple[float, float, float] = (0.5, 0.3, 4.0)) -> Pose:

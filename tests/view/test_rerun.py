@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.camera.fakes import TINY, frame
-from tests.view.seen import Somebody, body, standing
+from tests.view.seen import body, somebody, standing
 from wigwag.camera.frame import Frame
 from wigwag.errors import InputError, MissingExtraError
 from wigwag.view.rerun import RerunView
@@ -33,10 +33,10 @@ def test_a_file_holds_picture_depth_people_figures_and_log(rerun, tmp_path):
     file = tmp_path / "new" / "seen.rrd"
     view = RerunView(save=file, spawn=False)
     depth = np.full((TINY.height, TINY.width), 3000, np.uint16)
-    operator = Somebody(1, body(), standing(), is_operator=True)
+    operator = somebody(1, body(), standing(), is_operator=True)
     for k in range(3):
         view.frame(Frame(frame(k, seed=k).rgb, depth, TINY, k * 33 * MS))
-        view.people([operator, Somebody(2, body(), None)] if k < 2 else [operator])
+        view.people([operator, somebody(2, body(), None)] if k < 2 else [operator])
         view.figures({"pose_ms": 11.0 + k, "latency_ms": float("nan")})
     view.say("engaged")
     view.close()

@@ -7,7 +7,7 @@ import pytest
 from rich.console import Console
 
 from tests.camera.fakes import Told, frame
-from tests.view.seen import Somebody, standing
+from tests.view.seen import somebody, standing
 from wigwag.camera.fresh import Glimpse
 from wigwag.camera.playback import Playback
 from wigwag.camera.watchdog import Health, Sight
@@ -62,18 +62,19 @@ def test_of_nothing_there_is_no_figure():
 
 
 def test_the_operator_in_words():
-    shown = text(turn(0, pose=standing()), [Somebody(3, pose=standing(), is_operator=True)])
+    shown = text(turn(0, pose=standing()), [somebody(3, pose=standing(), is_operator=True)])
     assert "4.03 m away, 7° right, hips 0.30 m below the lens" in shown
     assert "12 of 13 landmarks measured, ± 20 mm" in shown
     assert "3 operator" in shown
 
 
 def test_without_an_operator_the_reason_stands_there_and_who_is_engaging():
-    people = [Somebody(1, pose=standing(), progress=0.4), Somebody(2, note="too far")]
+    people = [somebody(1, pose=standing(), engaging=0.4), somebody(2, disengaging=0.5, is_operator=True)]
     shown = text(turn(0), people, "nobody has raised a hand")
     assert "nobody has raised a hand" in shown
     assert "engaging 40%" in shown
-    assert "too far" in shown
+    assert "2 operator" in shown
+    assert "disengaging 50%" in shown
 
 
 def test_a_stale_picture_is_said():

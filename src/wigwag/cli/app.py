@@ -14,6 +14,7 @@ from wigwag.cli.demo import Demo
 from wigwag.cli.doctor import Doctor
 from wigwag.cli.pose import PoseCommand
 from wigwag.cli.vocabulary import Vocabulary
+from wigwag.cli.watch import Watch
 from wigwag.errors import WigwagError
 
 
@@ -30,6 +31,7 @@ Commands = (
     | Annotated[Benchmark, tyro.conf.subcommand("benchmark")]
     | Annotated[PoseCommand, tyro.conf.subcommand("pose")]
     | Annotated[Vocabulary, tyro.conf.subcommand("vocabulary")]
+    | Annotated[Watch, tyro.conf.subcommand("watch")]
     | Annotated[Doctor, tyro.conf.subcommand("doctor")]
 )
 

@@ -14,9 +14,9 @@ from wigwag.camera.extras import load
 from wigwag.camera.frame import Frame, Intrinsics
 from wigwag.errors import InputError, ViewError
 from wigwag.pose.body import BODY_BONES
+from wigwag.pose.estimator import Person
 from wigwag.skeleton import BONES, LANDMARKS, Pose
 from wigwag.view.draw import BODY_NAMES, Color, bone_colors
-from wigwag.view.watching import Seen
 
 _OTHERS: Color = (150, 158, 166)
 """RGB of whoever is not the operator."""
@@ -90,11 +90,11 @@ class RerunView:
             depth = rr.DepthImage(frame.depth_mm, meter=1000.0, depth_range=[500.0, 8000.0])
             stream.log("world/camera/depth", depth)
 
-    def people(self, people: Sequence[Seen]) -> None:
+    def people(self, people: Sequence[Person]) -> None:
         """Show everybody in the picture and in space; whoever was there before and is not, vanishes."""
         here = set()
         for person in people:
-            here.add(person.id)
+            here.add(person.number)
             self._person(person)
         for gone in self._shown - here:
             for path in (f"world/people/{gone}", f"world/camera/people/{gone}"):
@@ -118,9 +118,9 @@ class RerunView:
         self._stream.flush()
         self._stream.disconnect()
 
-    def _person(self, person: Seen) -> None:
+    def _person(self, person: Person) -> None:
         rr, stream = self._rr, self._stream
-        flat, spatial = f"world/camera/people/{person.id}", f"world/people/{person.id}"
+        flat, spatial = f"world/camera/people/{person.number}", f"world/people/{person.number}"
         if person.body is not None:
             colors = _colors(BODY_BONES, BODY_NAMES, person.is_operator)
             lines = person.body.points_px[np.array(BODY_BONES)]

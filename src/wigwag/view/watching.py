@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from rich.console import Group
@@ -15,45 +15,13 @@ from rich.text import Text
 from wigwag.camera.fresh import Glimpse
 from wigwag.camera.protocol import Camera
 from wigwag.camera.watchdog import Sight
-from wigwag.pose.body import Body
+from wigwag.pose.estimator import Person
 from wigwag.skeleton import N_LANDMARKS, Pose
 
 _LOOK_BACK_S = 2.0
 """Rates and times of the moment are those of so long."""
-
-
-class Seen(Protocol):
-    """A person as a view shows them: ``wigwag.pose.people.Person``, for one."""
-
-    @property
-    def id(self) -> int:
-        """Stays with the person while they are followed."""
-        ...
-
-    @property
-    def body(self) -> Body | None:
-        """In the picture."""
-        ...
-
-    @property
-    def pose(self) -> Pose | None:
-        """In space."""
-        ...
-
-    @property
-    def is_operator(self) -> bool:
-        """Whether this is the person in command."""
-        ...
-
-    @property
-    def progress(self) -> float:
-        """How far they are in engaging, or in disengaging, 0 to 1."""
-        ...
-
-    @property
-    def note(self) -> str:
-        """What there is to say about them; may be empty."""
-        ...
+_UNSEEN_S = 0.5
+"""Others are looked at in turn; from so long on it is worth saying that somebody was not seen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,7 +100,7 @@ class Meter:
         }
 
 
-def panel(camera: Camera, watched: Watched, meter: Meter, people: Sequence[Seen], why: str = "") -> Group:
+def panel(camera: Camera, watched: Watched, meter: Meter, people: Sequence[Person], why: str = "") -> Group:
     """Return what the terminal shows of this moment.
 
     Args:
@@ -161,7 +129,7 @@ def panel(camera: Camera, watched: Watched, meter: Meter, people: Sequence[Seen]
         times += f", {latency_ms:.0f} ms from picture to pose"
     grid.add_row("time", times)
     grid.add_row("operator", _operator(watched.pose, why))
-    return Group(grid, _crowd(people))
+    return Group(grid, _crowd(people, watched.glimpse.now_ns))
 
 
 def _operator(pose: Pose | None, why: str) -> Text:
@@ -181,17 +149,19 @@ def _operator(pose: Pose | None, why: str) -> Text:
     return Text(text, style="green")
 
 
-def _crowd(people: Sequence[Seen]) -> Table:
+def _crowd(people: Sequence[Person], now_ns: int) -> Table:
     table = Table(box=None, pad_edge=False, padding=(0, 2))
     for column in ("who", "away", "what"):
         table.add_column(column, style="bold" if column == "who" else None)
     for person in people:
-        away = "-" if person.pose is None else f"{float(np.hypot(*person.pose.hip_center[[0, 2]])):.1f} m"
-        what = person.note
-        if 0 < person.progress < 1:
-            doing = "disengaging" if person.is_operator else "engaging"
-            what = f"{doing} {person.progress:.0%}" + (f", {what}" if what else "")
-        table.add_row(f"{person.id} operator" if person.is_operator else str(person.id), away, what)
+        away = f"{float(np.hypot(*person.position_m[[0, 2]])):.1f} m"
+        unseen_s = (now_ns - person.seen_ns) * 1e-9
+        what = f"not seen for {unseen_s:.1f} s" if unseen_s > _UNSEEN_S else ""
+        if 0 < person.engaging < 1 and not person.is_operator:
+            what = f"engaging {person.engaging:.0%}"
+        elif 0 < person.disengaging < 1 and person.is_operator:
+            what = f"disengaging {person.disengaging:.0%}"
+        table.add_row(f"{person.number} operator" if person.is_operator else str(person.number), away, what)
     return table
 
 
@@ -199,4 +169,4 @@ def _median(values: Sequence[float]) -> float | None:
     return float(np.median(values)) if len(values) else None
 
 
-__all__ = ["Meter", "Seen", "Watched", "panel"]
+__all__ = ["Meter", "Watched", "panel"]
