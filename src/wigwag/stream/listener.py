@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from wigwag.gesture import Gesture
 from wigwag.skeleton import Pose
-from wigwag.stream.gesture_stream import StreamModel
 from wigwag.stream.spot import Recogniser, SpotConfig, Spotter
+
+if TYPE_CHECKING:
+    from wigwag.stream.gesture_stream import StreamModel
 
 
 class Listener(Protocol):
