@@ -32,4 +32,6 @@ def listening(taught: StreamModel | Recogniser, config: SpotConfig | None = None
             :class:`~wigwag.stream.spot.Spotter` cuts out, once it is over.
         config: The spotter's.
     """
+    from wigwag.stream.gesture_stream import StreamModel
+
     return taught.stream() if isinstance(taught, StreamModel) else Spotter(taught, config)
