@@ -94,7 +94,7 @@ class TakeOff:
 
 
 def test_a_short_flight_from_pixels_to_figures_report_and_film(tmp_path: Path) -> None:
-    """Four and a half seconds: the operator shows the first signal, and the drone leaves the ground."""
+    """Ten seconds: the operator engages and shows the first signal, and the drone leaves the ground."""
     try:
         estimator = pose_estimator()
     except ModelError as error:
@@ -114,7 +114,10 @@ def test_a_short_flight_from_pixels_to_figures_report_and_film(tmp_path: Path) -
     account(console, summary, tmp_path)
 
     frames = int(script.duration_s * 30)
-    assert summary["pose"]["frames"] == frames
+    engaged_s = script.engaged_s
+    assert engaged_s is not None and 3.0 < engaged_s < first.start_s
+    assert summary["pose"]["frames"] == pytest.approx((script.duration_s - engaged_s) * 30, abs=2)
+    assert not any(row.found for row in session.log.rows if row.time_s < 1.5), "nobody had engaged"
     assert summary["pose"]["found"] > 0.95
     assert summary["gestures"] | {"decided_after_end_s_median": 0} == {
         "shown": 1, "recognised": 1, "wrong": 0, "missed": 0, "decided_after_end_s_median": 0,

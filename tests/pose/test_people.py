@@ -147,7 +147,25 @@ def test_half_hidden_people_teach_no_speed() -> None:
     for k in range(1, 10):
         people.update(track, look(0.05 * k, 4.0), k * SECOND // 30, hidden=True)
     assert track.velocity_m_s.tolist() == [0.0, 0.0, 0.0]
-    assert track.position_m[0] == pytest.approx(0.45)
+    assert track.position_m[0] == pytest.approx(0.45, abs=0.01)
+
+
+def test_whoever_hides_somebody_does_not_draw_them_nearer() -> None:
+    people = People()
+    track = somebody(people, 0.0, 4.0)
+    for k in range(1, 10):
+        people.update(track, look(0.02 * k, 4.0 - 0.05 * k), k * SECOND // 30, hidden=True)
+    assert np.linalg.norm(track.position_m) == pytest.approx(np.hypot(4.0, 0.1), abs=0.01)
+    assert track.position_m[0] == pytest.approx(0.2, abs=0.03)
+
+
+def test_a_mixture_of_two_bodies_is_nobody_new() -> None:
+    people = People()
+    operator = somebody(people, 0.0, 4.0)
+    now = SECOND // 30
+    assert not people.may_be_new(look(0.1, 3.5), now, operator)
+    assert people.may_be_new(look(0.1, 3.1), now, operator), "a passer-by"
+    assert people.may_be_new(look(0.1, 3.5), now, None)
 
 
 def test_newcomers_are_taken_up_once_and_not_beyond_the_most() -> None:

@@ -150,7 +150,7 @@ def stage(condition: Condition, distance_m: float, events: int, seed: int) -> St
     engage = perform("engage", person, seed)
     begin_s = 1.0 + engage.duration_s + 1.0
     passers, windows = _passers(condition, distance_m, events, begin_s=begin_s, seed=seed, rng=rng)
-    duration_s = max(end for _, end in windows) + PATIENCE_S + 0.2
+    duration_s = max(end for _, end in windows) + _patience_s(condition) + 0.2
     acts = [Act(1.0, engage)]
     walks: tuple[Walk, ...] = ()
     if condition.event == "takes the place":
@@ -180,6 +180,11 @@ def stage(condition: Condition, distance_m: float, events: int, seed: int) -> St
     )
     world = World(config, seed, operator, look, others=others)
     return Staged(world, condition, distance_m, acts[0].end_s, windows, duration_s)
+
+
+def _patience_s(condition: Condition) -> float:
+    """How soon after an event the operator must be handed on: who left has to come back and engage first."""
+    return 11.0 if condition.event == "takes the place" else PATIENCE_S
 
 
 def _code(name: str) -> int:
@@ -350,11 +355,9 @@ def summarise(staged: Staged, moments: Sequence[Moment]) -> dict[str, Any]:
     """Reduce a session to a record."""
     after = [m for m in moments if m.time_s >= staged.engaged_s]
     shown = [m for m in after if m.visible]
-    returns = staged.condition.event == "takes the place"
     kept, back = 0, []
+    patience_s = _patience_s(staged.condition)
     for begin, end in staged.windows:
-        # Who left has to come back and engage first.
-        patience_s = 10.0 if returns else PATIENCE_S
         window = [m for m in after if begin <= m.time_s < end + patience_s]
         late = [m for m in window if m.time_s >= end]
         kept += any(m.right for m in late) and not any(m.of_passerby for m in window)

@@ -168,7 +168,7 @@ class OperatorKeeper:
             return False
         mine = people.away_m(track, seen, now_ns)
         for other in people.close_to(track, now_ns):
-            if other.looks > 1 and other.age_s(now_ns) < 0.5 and people.away_m(other, seen, now_ns) < mine:
+            if other.looks > 2 and other.age_s(now_ns) < 0.5 and people.away_m(other, seen, now_ns) < mine:
                 return False
         careful = self._wary(now_ns) or track.age_s(now_ns) > self.config.glitch_s
         return not careful or people.looks_like(track, seen.appearance)

@@ -51,6 +51,8 @@ class PeopleConfig:
     """People whose ``Appearance.difference`` is greater are not the same one."""
     hips_apart_m: float = 0.45
     """Hips whose depths differ by more belong to two people, or to one and the wall."""
+    mixed_m: float = 0.6
+    """Nobody new is so close to where the operator should be: that is a mixture of two bodies."""
     torso_m: tuple[float, float] = (0.28, 0.85)
     """Shortest and longest torso of a person."""
     coast_s: float = 0.7
@@ -255,9 +257,14 @@ class People:
             seen: The look.
             now_ns: Its stamp.
             learn: Whether size and clothes are learned from it: not if somebody else is close.
-            hidden: Whether a part of them is hidden: where they are is rough then, and says nothing of speed.
+            hidden: Whether a part of them is hidden. Whoever hides them lends their depth then: only the
+                direction is taken over, not the distance, and nothing is learned about speed.
         """
         age_s = track.age_s(now_ns)
+        position = seen.position_m
+        if hidden:
+            distance = float(np.linalg.norm(track.expected_m(now_ns, self.config.coast_s)))
+            position = position * (distance / max(float(np.linalg.norm(position)), 1e-6))
         if 0.0 < age_s < 1.0 and not hidden:
             expected = track.expected_m(now_ns, self.config.coast_s)
             share = 1.0 - math.exp(-age_s / _LEARN_VELOCITY_S)
@@ -267,7 +274,7 @@ class People:
             track.velocity_m_s *= min(1.0, _FASTEST_M_S / max(speed, 1e-6))
         elif age_s >= 1.0:
             track.velocity_m_s = np.zeros(3)
-        track.position_m, track.seen_ns = seen.position_m, now_ns
+        track.position_m, track.seen_ns = position, now_ns
         track.seen, track.region = seen, seen.region
         track.looks += 1
         if not learn:
@@ -282,6 +289,13 @@ class People:
     def away_m(self, track: Track, seen: Seen, now_ns: int) -> float:
         """Return how far a look is from where somebody is expected, metres."""
         return float(np.linalg.norm(seen.position_m - track.expected_m(now_ns, self.config.coast_s)))
+
+    def may_be_new(self, seen: Seen, now_ns: int, operator: Track | None) -> bool:
+        """Say whether a look that fits nobody is somebody new, and not the operator seen badly.
+
+        Where two people overlap in the picture, the network mixes them into one who stands between them.
+        """
+        return operator is None or self.away_m(operator, seen, now_ns) > self.config.mixed_m
 
     def close_to(self, track: Track, now_ns: int) -> list[Track]:
         """Return everybody else who is, or soon will be, before, behind or beside somebody in the picture."""

@@ -207,10 +207,10 @@ class Watcher:
             return None
         others = [track for track in people.tracks if track is not operator and track.body is None]
         owner = people.owner(seen, now, others)
-        if owner is None:
-            owner = people.add(seen, now)
-        else:
+        if owner is not None:
             people.update(owner, seen, now)
+        elif keeper.away or people.may_be_new(seen, now, operator):
+            owner = people.add(seen, now)
         if owner is not None:
             owner.looked_ns = now
             self._show(owner, seen, frame)
