@@ -12,6 +12,7 @@ from wigwag.errors import InputError
 from wigwag.pose.blazepose import BlazePose
 from wigwag.pose.body import Body, Point
 from wigwag.pose.estimator import PoseConfig, PoseEstimator
+from wigwag.pose.filter import FilterConfig
 from wigwag.pose.lift import LiftConfig
 from wigwag.pose.sides import other_side
 from wigwag.skeleton import Landmark, Pose
@@ -95,12 +96,6 @@ def test_what_is_not_finite_never_leaves() -> None:
     assert estimator(broken)(frame_at(4.0)) is None
 
 
-def test_a_frame_without_depth_is_an_error_that_says_so() -> None:
-    frame = Frame(np.zeros((480, 640, 3), np.uint8), None, CAMERA, 0)
-    with pytest.raises(InputError, match=r"depth_mm is None.*aligned to the colour"):
-        estimator(body_at(0.0, 4.0))(frame)
-
-
 @pytest.mark.parametrize("k", [3, 2])
 def test_time_that_does_not_run_forward_is_an_error(k: int) -> None:
     estimate = estimator(*[body_at(0.0, 4.0)] * 3)
@@ -149,17 +144,18 @@ def test_the_real_network_on_a_real_photo(blazepose: BlazePose, photos: dict[str
     assert span > 3 * shoulders, "both arms stretched to the sides"
 
 
-def test_landmarks_well_seen_stay_as_measured() -> None:
-    """Whatever the body does, full visibility means no filter and no delay."""
-    moving = [body_at(0.0, 4.0) for _ in range(12)]
+def test_landmarks_well_seen_stay_near_what_is_measured_and_become_steadier() -> None:
     random = np.random.default_rng(0)
-    moving = [replace(b, points_px=b.points_px + random.normal(0, 4, (33, 2))) for b in moving]
-    estimate = estimator(*moving)
+    moving = [body_at(0.0, 4.0) for _ in range(40)]
+    moving = [replace(b, points_px=b.points_px + random.normal(0, 1.5, (33, 2))) for b in moving]
+    estimate, off = estimator(*moving), []
     for k, body in enumerate(moving):
         pose = estimate(frame_at(4.0, k))
         assert pose is not None
         wrist = CAMERA.deproject(body.points_px[15], np.array(4.0))
-        np.testing.assert_allclose(pose.joints[Landmark.LEFT_WRIST], wrist, atol=2e-3)
+        np.testing.assert_allclose(pose.joints[Landmark.LEFT_WRIST], wrist, atol=0.04)
+        off.append(pose.joints[Landmark.LEFT_WRIST] - standing(0.0, 4.0)[15])
+    assert np.std(off, axis=0)[:2].max() < 0.8 * 1.5 * 4.0 / CAMERA.fx
 
 
 def test_feet_that_are_not_seen_hardly_move_and_still_go_where_the_body_goes() -> None:
@@ -171,7 +167,8 @@ def test_feet_that_are_not_seen_hardly_move_and_still_go_where_the_body_goes() -
         points[unseen] += random.normal(0, 15, (2, 2))
         visibility[unseen] = 0.05
         bodies.append(replace(body, points_px=points, visibility=visibility))
-    estimate, raw = estimator(*bodies), estimator(*bodies, trusted=(-2.0, -1.0))
+    unfiltered = FilterConfig(rest_hz=1e3, hips_acceleration_m_s2=1e3)
+    estimate, raw = estimator(*bodies), estimator(*bodies, filter=unfiltered)
     steadied, measured = [], []
     for k in range(60):
         for seen, into in ((estimate, steadied), (raw, measured)):
@@ -180,7 +177,7 @@ def test_feet_that_are_not_seen_hardly_move_and_still_go_where_the_body_goes() -
             into.append(pose.joints[Landmark.LEFT_HEEL] - pose.hip_center)
     jumps = [np.median(np.linalg.norm(np.diff(heels, axis=0), axis=1)) for heels in (steadied, measured)]
     assert jumps[1] > 0.05
-    assert jumps[0] < 0.2 * jumps[1]
+    assert jumps[0] < 0.25 * jumps[1]
     truth = standing(0.0, 4.0)[29] - standing(0.0, 4.0)[[23, 24]].mean(axis=0)
     np.testing.assert_allclose(np.mean(steadied[20:], axis=0)[:2], truth[:2], atol=0.06)
 
@@ -188,20 +185,20 @@ def test_feet_that_are_not_seen_hardly_move_and_still_go_where_the_body_goes() -
 def test_steadying_begins_anew_after_a_reset_and_after_another_person() -> None:
     low = replace(body_at(0.0, 4.0), visibility=np.full(33, 0.1))
     raised = low.points_px.copy()
-    raised[15, 1] -= 100
+    raised[15, 1] -= 30
     other = replace(low, points_px=raised)
     estimate = estimator(low, other)
     first, second = estimate(frame_at(4.0, 0)), estimate(frame_at(4.0, 1))
     assert first is not None and second is not None
     wrist = Landmark.LEFT_WRIST
     moved = np.linalg.norm(second.joints[wrist] - first.joints[wrist])
-    assert 0 < moved < 0.1
+    assert 0 < moved < 0.17, "of 0.2 m"
     estimate = estimator(low, other)
     estimate(frame_at(4.0, 0))
     estimate.reset()
     fresh = estimate(frame_at(4.0, 1))
     assert fresh is not None
-    assert np.linalg.norm(fresh.joints[wrist] - first.joints[wrist]) > 0.5
+    assert np.linalg.norm(fresh.joints[wrist] - first.joints[wrist]) > 0.19
 
 
 def test_sides_crossed_for_a_moment_are_put_right_before_the_pose() -> None:

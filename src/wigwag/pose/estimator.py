@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
 import numpy as np
@@ -12,9 +12,12 @@ from wigwag.camera.frame import Frame
 from wigwag.errors import InputError
 from wigwag.pose.blazepose import BlazePose, BlazePoseConfig
 from wigwag.pose.body import Body
-from wigwag.pose.lift import LiftConfig, Lifter
+from wigwag.pose.filter import FilterConfig, PoseFilter
+from wigwag.pose.lift import LiftConfig
+from wigwag.pose.monocular import MonocularConfig
 from wigwag.pose.sides import SideKeeper, SidesConfig
-from wigwag.skeleton import Pose, from_blazepose33
+from wigwag.pose.space import InSpace
+from wigwag.skeleton import Pose
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,19 +28,20 @@ class PoseConfig:
     """How bodies are found in the colour picture."""
     lift: LiftConfig = field(default_factory=LiftConfig)
     """How landmarks get their depth."""
+    monocular: MonocularConfig = field(default_factory=MonocularConfig)
+    """How they are placed when the camera has no depth."""
+    filter: FilterConfig = field(default_factory=FilterConfig)
+    """How poses are smoothed."""
     sides: SidesConfig = field(default_factory=SidesConfig)
     """When a change of left and right is not believed."""
     head: Literal["ears", "nose"] = "ears"
     """What the first landmark is: the middle of the ears, where a Kinect puts its head joint, so that
     people recorded with a Kinect and people seen by a camera agree; or the nose, as in the paper."""
-    trusted: tuple[float, float] = (0.3, 0.8)
-    """From the lower visibility to the upper one, trust in what is measured grows from least to full."""
-    least_trust: float = 0.08
-    """How far a landmark that is not seen moves towards each new guess."""
     max_speed_m_s: float = 5.0
     """The middle of the hips moves no faster than this, seen from the camera (which turns as well)."""
     slack_m: float = 0.4
-    """And besides jumps by no more than this: the noise of depth, a hip behind a hand."""
+    """And besides jumps by no more than this, and by what its distance is uncertain: the noise of depth, a
+    hip behind a hand."""
     forget_s: float = 1.0
     """After so long without the person, wherever somebody stands is believed."""
     patience_frames: int = 2
@@ -60,7 +64,8 @@ class PoseEstimator:
     """Turns each frame of a stream into the pose of the one person it follows.
 
     Args:
-        config: Options; the defaults suit an RGB-D camera on a drone, 2 to 8 m from the person.
+        config: Options; the defaults suit an RGB-D camera on a drone, 2 to 8 m from the person. A camera
+            without depth gives poses that are marked ``monocular``.
         tracker: What finds the body; BlazePose by default.
 
     Raises:
@@ -70,7 +75,8 @@ class PoseEstimator:
     def __init__(self, config: PoseConfig | None = None, tracker: BodyTracker | None = None) -> None:
         self.config = config = config or PoseConfig()
         self._tracker = tracker or BlazePose(config.blazepose)
-        self._lifter = Lifter(config.lift)
+        self._in_space = InSpace(config.lift, config.monocular, config.head)
+        self._filter = PoseFilter(config.filter)
         self._sides = SideKeeper(config.sides)
         self.body: Body | None = None
         """What was seen in the latest frame's colour picture, for drawing; ``None``: nobody."""
@@ -83,21 +89,16 @@ class PoseEstimator:
         self.body = None
         self._hips_m: Float[np.ndarray, " 3"] | None = None
         self._hips_ns = 0
-        self._relative_m: Float[np.ndarray, "13 3"] | None = None
+        self._filter.reset()
         self._stamp_ns: int | None = None
         self._jumped = 0
 
     def __call__(self, frame: Frame) -> Pose | None:
-        """Return the person's pose, or ``None`` if nobody is there or their depth cannot be told.
+        """Return the person's pose, or ``None`` if nobody is there or it cannot be told where they stand.
 
         Raises:
-            InputError: If the frame has no depth, or is not later than the one before.
+            InputError: If the frame is not later than the one before.
         """
-        if frame.depth_mm is None:
-            raise InputError(
-                "Frame.depth_mm is None, but a 3-D pose needs depth in millimetres aligned to the colour "
-                "picture. Use a camera with depth and align it to colour."
-            )
         if self._stamp_ns is not None and frame.stamp_ns <= self._stamp_ns:
             raise InputError(
                 f"Frame.stamp_ns must grow from frame to frame, but {frame.stamp_ns} follows "
@@ -109,42 +110,26 @@ class PoseEstimator:
             self.body = None
             return None
         self.body = body = self._sides(body, frame.stamp_ns)
-        head = self.config.head
-        points = from_blazepose33(body.points_px, head)
-        visibility = from_blazepose33(body.visibility[:, None], head)[:, 0]
-        lifted = self._lifter(points, visibility, frame.depth_mm, frame.intrinsics)
-        if lifted is None:
+        pose = self._in_space(body, frame)
+        if pose is None:
             return None
-        pose = Pose(lifted.points_m, lifted.visibility, frame.stamp_ns)
-        if not self._same_person(pose.hip_center, frame.stamp_ns):
-            self._relative_m = None
+        if not self._same_person(pose, frame.stamp_ns):
+            self._filter.reset()
             return None
-        return self._steadied(pose)
+        return self._filter(pose)
 
-    def _steadied(self, pose: Pose) -> Pose:
-        """Let landmarks that are hardly seen follow slowly, relative to the hips; others stay as measured.
-
-        Feet below the picture's edge are guessed anew in every frame, and jump by a decimetre.
-        """
-        low, high = self.config.trusted
-        relative = pose.joints - pose.hip_center
-        if self._relative_m is not None:
-            trust = np.clip((pose.visibility - low) / (high - low), self.config.least_trust, 1.0)
-            relative = self._relative_m + trust[:, None] * (relative - self._relative_m)
-        self._relative_m = relative
-        return replace(pose, joints=relative + pose.hip_center)
-
-    def _same_person(self, hips_m: Float[np.ndarray, " 3"], stamp_ns: int) -> bool:
+    def _same_person(self, pose: Pose, stamp_ns: int) -> bool:
         """Say whether somebody here now can be who was there before, and remember where they are.
 
         A passer-by who crosses takes the network's track over. In the picture that looks smooth; in
         space the hips jump.
         """
-        config = self.config
+        config, hips_m = self.config, pose.hip_center
+        slack_m = config.slack_m + pose.distance_sigma_m
         if self._hips_m is not None:
             elapsed_s = (stamp_ns - self._hips_ns) * 1e-9
             far = float(np.linalg.norm(hips_m - self._hips_m))
-            if elapsed_s < config.forget_s and far > config.slack_m + config.max_speed_m_s * elapsed_s:
+            if elapsed_s < config.forget_s and far > slack_m + config.max_speed_m_s * elapsed_s:
                 self._jumped += 1
                 if self._jumped >= config.patience_frames:
                     self._tracker.reset()
