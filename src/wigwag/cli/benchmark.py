@@ -11,7 +11,9 @@ from wigwag.cli.benchmark_dtw import DtwBenchmark
 from wigwag.cli.benchmark_few_shot import FewShotBenchmark
 from wigwag.cli.benchmark_gallery import GalleryBenchmark
 from wigwag.cli.benchmark_lift import LiftBenchmark
+from wigwag.cli.benchmark_monocular import MonocularBenchmark
 from wigwag.cli.benchmark_reject import RejectBenchmark
+from wigwag.cli.benchmark_smooth import SmoothBenchmark
 from wigwag.cli.benchmark_transfer import TransferBenchmark
 from wigwag.cli.benchmark_utd_mhad import UtdMhadBenchmark
 
@@ -24,6 +26,8 @@ class Benchmark:
         tyro.conf.OmitSubcommandPrefixes[
             Annotated[UtdMhadBenchmark, tyro.conf.subcommand("utd-mhad")]
             | Annotated[LiftBenchmark, tyro.conf.subcommand("lift")]
+            | Annotated[MonocularBenchmark, tyro.conf.subcommand("monocular")]
+            | Annotated[SmoothBenchmark, tyro.conf.subcommand("smooth")]
             | Annotated[DtwBenchmark, tyro.conf.subcommand("dtw")]
             | Annotated[GalleryBenchmark, tyro.conf.subcommand("gallery")]
             | Annotated[FewShotBenchmark, tyro.conf.subcommand("few-shot")]
