@@ -144,3 +144,22 @@ def test_lift_end_to_end(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> 
     said = capsys.readouterr().out
     assert "a1_s3_t1_depth.mat: is no readable MATLAB file" in said
     assert all(name in said for name in ("surface", "quartile", "median", "pixel"))
+
+
+def test_lift_with_pixels_knocked_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    root, file = with_depth(tmp_path / "utd", 2950), tmp_path / "lift.json"
+    assert benchmark("lift", "--data", root, "--json", file, "--knock-out", 0.1) == 0
+    rows = json.loads(file.read_text())
+    assert {row["knock_out"] for row in rows} == {0.1}
+    assert all(row["within_1_sigma"] <= row["within_2_sigma"] for row in rows)
+    assert "10% of the pixels knocked out" in " ".join(capsys.readouterr().out.split())
+    fails(capsys, ("lift", "--data", root, "--knock-out", 1.0), "knock_out must be a share from 0 to below 1")
+
+
+def test_smooth_end_to_end(small: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "smooth.json"
+    assert benchmark("smooth", "--data", small, "--json", file) == 0
+    rows = json.loads(file.read_text())
+    assert [row["filter"] for row in rows] == ["none", "by visibility", "PoseFilter"]
+    assert {"lag_ms_p95", "overshoot_max", "rest_rms_mm", "command", "seed", "version"} <= set(rows[0])
+    assert "PoseFilter" in capsys.readouterr().out

@@ -15,9 +15,11 @@ from wigwag.cli.benchmark_follow import FollowBenchmark
 from wigwag.cli.benchmark_gallery import GalleryBenchmark
 from wigwag.cli.benchmark_lift import LiftBenchmark
 from wigwag.cli.benchmark_link import LinkBenchmark
+from wigwag.cli.benchmark_monocular import MonocularBenchmark
 from wigwag.cli.benchmark_operator import OperatorBenchmark
 from wigwag.cli.benchmark_pose import PoseBenchmark
 from wigwag.cli.benchmark_reject import RejectBenchmark
+from wigwag.cli.benchmark_smooth import SmoothBenchmark
 from wigwag.cli.benchmark_stream import StreamBenchmark
 from wigwag.cli.benchmark_transfer import TransferBenchmark
 from wigwag.cli.benchmark_utd_mhad import UtdMhadBenchmark
@@ -34,6 +36,8 @@ class Benchmark:
             | Annotated[PoseBenchmark, tyro.conf.subcommand("pose")]
             | Annotated[CameraBenchmark, tyro.conf.subcommand("camera")]
             | Annotated[FarBenchmark, tyro.conf.subcommand("far")]
+            | Annotated[MonocularBenchmark, tyro.conf.subcommand("monocular")]
+            | Annotated[SmoothBenchmark, tyro.conf.subcommand("smooth")]
             | Annotated[DtwBenchmark, tyro.conf.subcommand("dtw")]
             | Annotated[GalleryBenchmark, tyro.conf.subcommand("gallery")]
             | Annotated[FewShotBenchmark, tyro.conf.subcommand("few-shot")]

@@ -13,13 +13,15 @@ from wigwag.errors import InputError
 from wigwag.pose.blazepose import BlazePose, BlazePoseConfig
 from wigwag.pose.body import Body
 from wigwag.pose.engagement import EngagementConfig
-from wigwag.pose.lift import LiftConfig, Lifter
+from wigwag.pose.lift import LiftConfig
+from wigwag.pose.monocular import MonocularConfig
 from wigwag.pose.operator import OperatorConfig, OperatorKeeper
 from wigwag.pose.people import People, PeopleConfig, Track
 from wigwag.pose.sides import SidesConfig
+from wigwag.pose.space import InSpace
 from wigwag.pose.turning import PictureShift
 from wigwag.pose.watching import BodyTracker, PeopleFinder, WatchConfig, Watcher
-from wigwag.skeleton import Pose, from_blazepose33
+from wigwag.skeleton import Pose
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +32,9 @@ class PoseConfig:
     """How bodies are found in the colour picture."""
     lift: LiftConfig = field(default_factory=LiftConfig)
     """How landmarks get their depth."""
+    monocular: MonocularConfig | None = None
+    """How people are placed by their size in frames without depth. ``None``: such frames are an error, so
+    that nobody flies on decimetres without having asked for it."""
     sides: SidesConfig = field(default_factory=SidesConfig)
     """When a change of left and right is not believed."""
     operator: OperatorConfig = field(default_factory=OperatorConfig)
@@ -96,7 +101,7 @@ class PoseEstimator:
         self, config: PoseConfig | None = None, tracker: PeopleFinder | BodyTracker | None = None
     ) -> None:
         self.config = config = config or PoseConfig()
-        self._lifter = Lifter(config.lift)
+        self._in_space = InSpace(config.lift, config.monocular, config.head)
         self._people = People(config.people, config.engagement, config.sides)
         self._keeper = OperatorKeeper(config.operator, self._people)
         self._shift = PictureShift()
@@ -155,10 +160,11 @@ class PoseEstimator:
         return self._steadied(track.pose, track)
 
     def _check(self, frame: Frame) -> None:
-        if frame.depth_mm is None:
+        if frame.depth_mm is None and self.config.monocular is None:
             raise InputError(
                 "Frame.depth_mm is None, but a 3-D pose needs depth in millimetres aligned to the colour "
-                "picture. Use a camera with depth and align it to colour."
+                "picture. Use a camera with depth and align it to colour, or allow poses without it by "
+                "PoseConfig.monocular."
             )
         if self._stamp_ns is not None and frame.stamp_ns <= self._stamp_ns:
             raise InputError(
@@ -169,13 +175,7 @@ class PoseEstimator:
 
     def lift(self, body: Body, frame: Frame) -> Pose | None:
         """Place a body in space by the frame's depth; ``None`` if there is no depth where the person is."""
-        if frame.depth_mm is None:
-            return None
-        head = self.config.head
-        points = from_blazepose33(body.points_px, head)
-        visibility = from_blazepose33(body.visibility[:, None], head)[:, 0]
-        lifted = self._lifter(points, visibility, frame.depth_mm, frame.intrinsics)
-        return None if lifted is None else Pose(lifted.points_m, lifted.visibility, frame.stamp_ns)
+        return self._in_space(body, frame)
 
     def _steadied(self, pose: Pose, track: Track) -> Pose:
         """Let landmarks that are hardly seen follow slowly, relative to the hips; others stay as measured.

@@ -161,7 +161,7 @@ def watch(person: Person, script: Script, sensor: SensorConfig, rng: np.random.G
     seen = to_camera(joints, camera, bearing + np.pi)
     # Kinect axes and back: the one place that knows which joint stands in for which landmark.
     landmarks = from_kinect20(seen * np.array([-1.0, -1.0, 1.0]))
-    noisy = landmarks + _noise(rng, landmarks[..., 2], sensor)
+    noisy = landmarks + landmark_noise(rng, landmarks[..., 2], sensor)
     if sensor.bias:
         noisy += LANDMARK_BIAS * person.height_m
     stamps = np.round(times * 1e9).astype(np.int64)
@@ -175,7 +175,7 @@ def _wander(rng: np.random.Generator, times: Float[np.ndarray, " n"], low: float
     return np.asarray((low + high) / 2 + (high - low) / 4 * wave)
 
 
-def _noise(
+def landmark_noise(
     rng: np.random.Generator, depth: Float[np.ndarray, "frames 13"], sensor: SensorConfig
 ) -> Float[np.ndarray, "frames 13 3"]:
     """Draw errors (camera optical frame, metres) for landmarks at a depth."""
