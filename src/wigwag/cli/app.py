@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from wigwag.cli.benchmark import Benchmark
+from wigwag.cli.clips import Clips
 from wigwag.cli.demo import Demo
 from wigwag.cli.doctor import Doctor
 from wigwag.cli.pose import PoseCommand
@@ -28,6 +29,7 @@ Commands = (
     Annotated[Demo, tyro.conf.subcommand("demo")]
     | Annotated[Benchmark, tyro.conf.subcommand("benchmark")]
     | Annotated[PoseCommand, tyro.conf.subcommand("pose")]
+    | Annotated[Clips, tyro.conf.subcommand("clips")]
     | Annotated[Doctor, tyro.conf.subcommand("doctor")]
 )
 
