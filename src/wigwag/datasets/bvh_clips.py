@@ -158,6 +158,9 @@ def _steady(clip: Clip) -> tuple[Float[np.ndarray, "frames 13 3"], float, str]:
     """Return frames at a steady rhythm, nanoseconds a frame, and what was done."""
     stamps = clip.stamps_ns - clip.stamps_ns[0]
     step_ns = float(stamps[-1]) / (len(stamps) - 1)
+    even_ns = 1e9 / round(1e9 / step_ns, 3)  # 30 a second and not 29.99999994, where stamps are rounded to it
+    if np.array_equal(np.round(np.arange(len(stamps)) * even_ns), stamps):
+        step_ns = even_ns
     rhythm = np.arange(len(stamps)) * step_ns
     joints = np.asarray(clip.joints, dtype=np.float64)
     if np.abs(stamps - rhythm).max() <= _STEADY_NS:
