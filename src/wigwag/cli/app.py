@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from wigwag.cli.benchmark import Benchmark
+from wigwag.cli.clips import Clips
 from wigwag.cli.demo import Demo
 from wigwag.cli.doctor import Doctor
 from wigwag.cli.pose import PoseCommand
@@ -32,6 +33,7 @@ Commands = (
     | Annotated[PoseCommand, tyro.conf.subcommand("pose")]
     | Annotated[Vocabulary, tyro.conf.subcommand("vocabulary")]
     | Annotated[Watch, tyro.conf.subcommand("watch")]
+    | Annotated[Clips, tyro.conf.subcommand("clips")]
     | Annotated[Doctor, tyro.conf.subcommand("doctor")]
 )
 

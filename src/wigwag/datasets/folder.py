@@ -16,7 +16,8 @@
 
 ``joints`` has one line a frame and 13 triples a line, rounded to 0.1 mm. ``label`` is ``null`` for a
 movement that is no gesture, ``subject`` if it is not known who moves. Instead of ``stamps_ns`` a steady
-``"rate_hz"`` may stand. The header decides the label; the folders' names are for people.
+``"rate_hz"`` may stand. The header decides the label; the folders' names are for people. All of it, and its
+versions: docs/clips.md.
 """
 
 from __future__ import annotations
@@ -30,11 +31,11 @@ from typing import Any
 import numpy as np
 
 from wigwag.datasets.loaded import Loaded
+from wigwag.datasets.versions import VERSION, upgraded
 from wigwag.errors import DataError, InputError
 from wigwag.skeleton import LANDMARKS, Clip
 
 FORMAT = "wigwag-clip"
-VERSION = 1
 FRAME = "camera optical: x right, y down, z forward"
 UNITS = "metre"
 UNLABELLED = "none"
@@ -55,12 +56,12 @@ def save_clip(clip: Clip, root: str | Path, overwrite: bool = False) -> Path:
     Raises:
         InputError: If the file is there already and ``overwrite`` is false.
     """
-    path = Path(root) / _safe(clip.label or UNLABELLED) / f"{_safe(clip.name)}.json"
+    path = Path(root) / clip_path(clip, ".json")
     if path.exists() and not overwrite:
         raise InputError(f"{path}: is there already; choose another clip name or pass overwrite=True.")
     path.parent.mkdir(parents=True, exist_ok=True)
     half_written = path.with_suffix(".json.part")
-    half_written.write_text(_text(clip), encoding="utf-8")
+    half_written.write_text(text_of(_content(clip)), encoding="utf-8")
     os.replace(half_written, path)
     return path
 
@@ -73,6 +74,20 @@ def load_clip(path: str | Path) -> Clip:
     """
     path = Path(path)
     try:
+        return _clip(read_content(path), path.stem)
+    except DataError:
+        raise
+    except InputError as error:
+        raise DataError(f"{path}: {str(error).removeprefix(f'{path.stem}: ')}") from error
+
+
+def read_content(path: Path) -> dict[str, Any]:
+    """Read a clip file as JSON, of whatever version.
+
+    Raises:
+        DataError: If it is missing, no JSON, or no clip file.
+    """
+    try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise DataError(f"{path}: cannot be read ({error.strerror}).") from error
@@ -80,10 +95,9 @@ def load_clip(path: str | Path) -> Clip:
         raise DataError(
             f"{path}: is no JSON ({error}). Expected a clip as wigwag.datasets.folder.save_clip writes it."
         ) from error
-    try:
-        return _clip(content, path.stem)
-    except InputError as error:
-        raise DataError(f"{path}: {str(error).removeprefix(f'{path.stem}: ')}") from error
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        raise DataError(f'{path}: is no clip file: expected a JSON object with "format": "{FORMAT}".')
+    return content
 
 
 def load_folder(root: str | Path) -> Loaded:
@@ -111,7 +125,12 @@ def load_folder(root: str | Path) -> Loaded:
     return Loaded(clips, left_out)
 
 
-def _safe(name: str) -> str:
+def clip_path(clip: Clip, suffix: str) -> Path:
+    """Say where a clip lies in a folder of clips: ``<label>/<name><suffix>``."""
+    return Path(safe_name(clip.label or UNLABELLED)) / f"{safe_name(clip.name)}{suffix}"
+
+
+def safe_name(name: str) -> str:
     """Turn a label or name into a file name that every system takes and that stays in its folder."""
     safe = re.sub(r"[^\w.-]+", "_", name).strip(".")
     if not safe:
@@ -119,8 +138,18 @@ def _safe(name: str) -> str:
     return safe
 
 
-def _text(clip: Clip) -> str:
-    header = {
+def text_of(content: dict[str, Any]) -> str:
+    """Lay out a clip file: one line a header field, one line a frame."""
+    header = {key: value for key, value in content.items() if key != "joints"}
+    lines = [f"  {json.dumps(key)}: {json.dumps(value, ensure_ascii=False)}" for key, value in header.items()]
+    joints = content.get("joints")
+    frames = [json.dumps(frame) for frame in joints] if isinstance(joints, list) else []
+    lines.append('  "joints": [\n    ' + ",\n    ".join(frames) + "\n  ]")
+    return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def _content(clip: Clip) -> dict[str, Any]:
+    return {
         "format": FORMAT,
         "version": VERSION,
         "label": clip.label,
@@ -129,20 +158,12 @@ def _text(clip: Clip) -> str:
         "units": UNITS,
         "landmarks": list(LANDMARKS),
         "stamps_ns": [int(stamp) for stamp in clip.stamps_ns],
+        "joints": np.round(np.asarray(clip.joints, dtype=np.float64), 4).tolist(),
     }
-    lines = [f"  {json.dumps(key)}: {json.dumps(value, ensure_ascii=False)}" for key, value in header.items()]
-    frames = [json.dumps(np.round(frame, 4).tolist()) for frame in np.asarray(clip.joints, dtype=np.float64)]
-    lines.append('  "joints": [\n    ' + ",\n    ".join(frames) + "\n  ]")
-    return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
-def _clip(content: Any, name: str) -> Clip:
-    if not isinstance(content, dict) or content.get("format") != FORMAT:
-        raise InputError(f'is no clip file: expected a JSON object with "format": "{FORMAT}".')
-    if content.get("version") != VERSION:
-        raise InputError(
-            f"version is {content.get('version')!r}, but this wigwag reads {VERSION}. Update wigwag."
-        )
+def _clip(content: dict[str, Any], name: str) -> Clip:
+    content = upgraded(content)
     for field, expected in (("units", UNITS), ("frame", FRAME)):
         if content.get(field) != expected:
             raise InputError(
@@ -175,4 +196,7 @@ def _array(content: dict[str, Any], field: str, dtype: type) -> np.ndarray[Any, 
         raise InputError(f"{field} must be a regular list of numbers ({error}).") from error
 
 
-__all__ = ["load_clip", "load_folder", "save_clip"]
+__all__ = [
+    "FRAME", "UNITS", "UNLABELLED", "clip_path", "load_clip", "load_folder", "read_content", "safe_name",
+    "save_clip", "text_of",
+]  # fmt: skip
