@@ -256,7 +256,7 @@ def _blended(size: tuple[int, int], pixels: int) -> Float[np.ndarray, "rows colu
     across, down = (
         np.minimum(1.0, (np.minimum(np.arange(n), np.arange(n)[::-1]) + 1.0) / (pixels + 1.0)) for n in size
     )
-    return np.minimum(down[:, None], across[None, :])
+    return np.asarray(np.minimum(down[:, None], across[None, :]))
 
 
 def _pick(rng: np.random.Generator, photos: Sequence[Photo]) -> Photo:

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from wigwag.errors import DataError
-from wigwag.evaluate.composites import CLUTTER, SIZE, STYLES, Photo, Picture, Scene, load_photos, make_scene
+from wigwag.evaluate.composites import CLUTTER, SIZE, STYLES, Picture, Scene, load_photos, make_scene
 from wigwag.evaluate.metrics import wilson_interval
 from wigwag.evaluate.walls import look_at_walls
 from wigwag.pose.blazepose import BlazePose
