@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 from wigwag.errors import InputError, ModelError
-from wigwag.pose.blazepose import BlazePose, BlazePoseConfig
+from wigwag.pose.blazepose import BlazePose, BlazePoseConfig, disagreement
 from wigwag.pose.body import Body, Point
 from wigwag.pose.landmarker import Sighting
 from wigwag.pose.region import Region
@@ -129,7 +130,7 @@ def test_a_followed_person_costs_no_search_and_a_search_few_runs(
     assert blazepose.track(photo) is not None
     assert not runs
     places = set()
-    for _ in range(160):
+    for _ in range(130):
         runs.clear()
         assert blazepose.track(blank) is None
         assert len(runs) <= 2
@@ -182,26 +183,64 @@ def test_reset_forgets(blazepose: BlazePose, photos: dict[str, np.ndarray]) -> N
 
 
 def test_detect_leaves_the_track_alone(blazepose: BlazePose, photos: dict[str, np.ndarray]) -> None:
-    blazepose.track(photos["up"])
+    first = blazepose.track(photos["up"])
     blazepose.detect(photos["land"])
-    assert blazepose._region is not None
     body = blazepose.track(photos["up"])
+    assert first is not None
     assert body is not None
+    assert torsos_apart(body, first.points_px) < 0.05
 
 
-@pytest.mark.parametrize("share", [2 / 3, 1 / 2])
-@pytest.mark.parametrize(("width", "height"), [(640, 480), (480, 640), (1280, 720), (100, 100), (641, 479)])
-def test_crops_cover_the_picture_and_overlap(width: int, height: int, share: float) -> None:
-    tiles = search_tiles(width, height, share)
-    assert (tiles[0].u, tiles[0].v) == (width / 2, height / 2)
-    assert len(set(tiles)) == len(tiles)
-    rng = np.random.default_rng(1)
-    half = tiles[0].side / 2
-    for u, v in rng.uniform((0, 0), (width, height), (200, 2)):
-        assert any(abs(u - tile.u) <= half and abs(v - tile.v) <= half for tile in tiles)
-    for axis in ("u", "v"):
-        places = np.unique([getattr(tile, axis) for tile in tiles])
-        assert np.diff(places).max(initial=0) <= half + 1e-9
+def test_a_person_looks_the_same_in_the_mirror(blazepose: BlazePose, photos: dict[str, np.ndarray]) -> None:
+    """Left stays left, and what the network is sure of lies where it lay."""
+    for name in ("left", "up", "land"):
+        seen = blazepose.sight(photos[name])
+        assert seen is not None
+        mirrored = blazepose._landmarker(photos[name], seen.region, mirrored=True)
+        assert disagreement(seen.body, mirrored.body) < 0.05, name
+        apart_m = np.linalg.norm(mirrored.body.world_m[:, :2] - seen.body.world_m[:, :2], axis=1)
+        assert np.median(apart_m) < 0.05, name
+        assert mirrored.body.clarity > 0.7, name
+
+
+def test_disagreement_is_in_torsos(blazepose: BlazePose, photos: dict[str, np.ndarray]) -> None:
+    body = blazepose.detect(photos["land"])
+    assert body is not None
+    aside = replace(body, points_px=body.points_px + np.array([0.3 * body.torso_px, 0.0]))
+    assert disagreement(body, aside) == pytest.approx(0.3)
+    assert disagreement(replace(body, points_px=np.zeros((33, 2))), body) == math.inf
+
+
+def test_the_silhouette_is_the_person(blazepose: BlazePose, photos: dict[str, np.ndarray]) -> None:
+    seen = blazepose.sight(photos["land"])
+    assert seen is not None
+    silhouette = blazepose.silhouette(photos["land"], seen.region)
+    assert silhouette.shape == (480, 640)
+    assert silhouette.min() >= 0
+    assert silhouette.max() <= 1
+    u, v = np.rint(seen.body.points_px[[11, 12, 13, 14, 23, 24]]).astype(int).T
+    assert (silhouette[v, u] > 0.8).all()
+    assert silhouette[:40].max() < 0.2
+    assert 0.02 < silhouette.mean() < 0.2
+
+
+def test_a_track_that_slid_to_furniture_ends(
+    blazepose: BlazePose, photos: dict[str, np.ndarray], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Clear enough to be kept, never clear enough to be found again: what chairs do to the network."""
+    landmarker = blazepose._landmarker
+    assert blazepose.track(photos["land"]) is not None
+
+    def doubtful(rgb: np.ndarray, region: Region, *, mirrored: bool = False) -> Sighting:
+        seen = landmarker(rgb, region, mirrored=mirrored)
+        return Sighting(replace(seen.body, clarity=0.5), seen.region)
+
+    monkeypatch.setattr(blazepose, "_landmarker", doubtful)
+    patience = blazepose.config.max_doubt_frames
+    kept = [blazepose.track(photos["land"]) is not None for _ in range(patience + 20)]
+    assert kept == [True] * patience + [False] * 20
+    monkeypatch.setattr(blazepose, "_landmarker", landmarker)
+    assert any(blazepose.track(photos["land"]) is not None for _ in range(3))
 
 
 @pytest.mark.parametrize(

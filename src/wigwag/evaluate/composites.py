@@ -32,8 +32,9 @@ with the person painted over from around them; an enlarged part; four or nine ph
 side by side, so that the clutter is as small as a far person."""
 SIZE = (640, 480)
 """Width and height of every composite, pixels."""
-_EYES_OF_STATURE = 0.93
-"""The eyes' height as a share of the body's (Drillis and Contini, 1966: 0.936)."""
+_CROWN = 1.11
+"""Height from crown to toe over that from eyes to toe, as seen from a little above: the median over 114 of
+the operator photos with lowered arms and whole bodies is 1.113 (5 to 95 %: 1.097 to 1.146)."""
 _INTERPOLATIONS = (cv2.INTER_AREA, cv2.INTER_LINEAR, cv2.INTER_CUBIC, cv2.INTER_LANCZOS4)
 
 
@@ -49,13 +50,17 @@ class Photo:
 
     @property
     def person_px(self) -> float:
-        """Height of the person as they would stand, crown to heel, pixels; raised arms do not count."""
-        v = self.body.points_px[:, 1]
-        heels, eyes = (
-            v[[Point.LEFT_HEEL, Point.RIGHT_HEEL]].mean(),
-            v[[Point.LEFT_EYE, Point.RIGHT_EYE]].mean(),
-        )
-        return float(heels - eyes) / _EYES_OF_STATURE
+        """Height of the person, crown to toe, pixels; raised arms do not count."""
+        return _CROWN * (self._toes - self._eyes)
+
+    @property
+    def _eyes(self) -> float:
+        return float(self.body.points_px[[Point.LEFT_EYE, Point.RIGHT_EYE], 1].mean())
+
+    @property
+    def _toes(self) -> float:
+        lowest = [Point.LEFT_HEEL, Point.RIGHT_HEEL, Point.LEFT_FOOT_INDEX, Point.RIGHT_FOOT_INDEX]
+        return float(self.body.points_px[lowest, 1].max())
 
     def box(self, margin: float) -> Float[np.ndarray, " 4"]:
         """Return left, top, right, bottom around the person.
@@ -65,7 +70,7 @@ class Photo:
         """
         low, high = self.body.points_px.min(axis=0), self.body.points_px.max(axis=0)
         wider = margin * self.person_px
-        crown = (1.0 - _EYES_OF_STATURE) * self.person_px
+        crown = (_CROWN - 1.0) * (self._toes - self._eyes)
         return np.array([low[0] - wider, low[1] - crown - wider, high[0] + wider, high[1] + wider])
 
 
@@ -217,7 +222,7 @@ def make_scene(
         rng: Margins, blending, interpolation, compression and clutter are random.
         photo: Whose person.
         others: Photos the clutter is made of; ``photo`` itself is left out.
-        person_px: Height of the person in the composite, crown to heel, pixels.
+        person_px: Height of the person in the composite, crown to toe, pixels.
         style: What is pasted.
         kind: What it is pasted on.
     """

@@ -20,7 +20,7 @@ from wigwag.pose.body import Body
 from wigwag.pose.region import Region
 
 PERSON_PX = (250, 200, 160, 136, 102, 81, 64)
-"""Heights at which people are looked for, pixels, crown to heel."""
+"""Heights at which people are looked for, pixels, crown to toe."""
 RIGHT_WITHIN = 0.15
 """A body is rightly found if its landmarks lie within so much of the torso's length of where they are:
 median over the 33, compared with what is seen at full size."""

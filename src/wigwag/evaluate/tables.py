@@ -161,6 +161,38 @@ def gallery_table(records: Sequence[Mapping[str, Any]]) -> str:
     return "\n".join(lines)
 
 
+def far_table(records: Sequence[Mapping[str, Any]]) -> str:
+    """Return the table of ``wigwag benchmark far``: all photos, single pictures and streams together."""
+    lines = [
+        "| person, px (about m) | composites | rightly found, % (95 % interval) | full frame alone, % "
+        "| landmark error, torsos | stream: acquired, % | frames to acquire, median / max | kept, % |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    streams = {r["person_px"]: r for r in records if r["mode"] == "stream" and r["data"] == "all"}
+    for r in records:
+        if r["mode"] != "picture" or r["data"] != "all":
+            continue
+        low, high = r["found_ci95"]
+        line = (
+            f"| {r['person_px']} ({r['distance_m_at_640x480']:.1f}) | {r['n']} | {r['found_pct']:.1f} "
+            f"({low:.1f} to {high:.1f}) | {r['full_frame_found_pct']:.1f} "
+            f"| {r['landmark_error_torso_median']:.3f} "
+        )
+        s = streams.get(r["person_px"])
+        line += (
+            "| | | |"
+            if s is None
+            else f"| {s['acquired_pct']:.1f} | {s['frames_to_acquire_median']:.0f} / "
+            f"{s['frames_to_acquire_max']} | {s['kept_pct']:.1f} |"
+        )
+        lines.append(line)
+    empty = [r for r in records if r["mode"] == "nobody"]
+    if empty:
+        false, n = (sum(r[key] for r in empty) for key in ("false_found", "n"))
+        lines += ["", f"Walls and furniture without a person: somebody found in {false} of {n} pictures."]
+    return "\n".join(lines)
+
+
 Records = Sequence[Mapping[str, Any]]
 
 PARTS: dict[str, tuple[str, Callable[[Records], str]]] = {
@@ -176,6 +208,11 @@ PARTS: dict[str, tuple[str, Callable[[Records], str]]] = {
         "offsets and stated standard deviations fitted on subjects 1, 3, 5, 7 and judged on 2, 4, 6, 8 "
         "(Gaussian errors would lie within one by 68 %, within two by 95 %):",
         lift_table,
+    ),
+    "far": (
+        "Small people in clutter (`wigwag benchmark far --data DIR --json FILE`), the operator photos shrunk "
+        "and set before other photos' rooms, 640x480:",
+        far_table,
     ),
     "few-shot": (
         "Few examples (`wigwag benchmark few-shot --data DIR --json FILE`), UTD-MHAD, 27 classes, test "

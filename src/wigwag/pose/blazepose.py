@@ -47,10 +47,14 @@ class BlazePoseConfig:
     min_presence: float = 0.5
     """A body below this score is none."""
     min_clarity: float = 0.6
-    """A new body below this clarity, as it is or in the mirror, is none."""
+    """A new body below this clarity, as it is or in the mirror, is none. On the half of the operator
+    photos that it was checked on (every second folder by name, from the first), people of 64 to 200 px
+    in clutter reach 0.69 at least in the lesser of the two, those of 50 px 0.65, where the detector sees
+    them at all; 725 detections in 400 pictures of empty rooms reach 0.50 at most."""
     max_disagreement: float = 0.12
     """A new body whose landmarks lie farther than this from their mirror images turned back is none:
-    median, in lengths of the torso."""
+    median, in lengths of the torso. The same people stay within 0.06; nine of ten detections in empty
+    rooms whose presence is believed do not stay within 0.12."""
     keep_clarity: float = 0.45
     """A body that is followed already is let go below this clarity: blur lowers it for some frames."""
     doubt_frames: int = 3

@@ -89,7 +89,7 @@ class Search:
         chosen: list[Region] = []
         if self._last is not None and self._returns():
             chosen.append(self._last.wider(AROUND))
-        while len(chosen) < min(self._runs, len(self._crops) + 1):
+        for _ in range(min(self._runs - len(chosen), len(self._crops))):
             turn = int(np.argmax(claims))
             chosen.append(self._crops[turn])
             claims = claims * (1.0 - self._overlaps[turn])
@@ -105,7 +105,9 @@ class Search:
     def _lay_out(self, width: int, height: int) -> None:
         """Cut a picture of this size into crops, and see which of the same side overlap."""
         levels = [[Region.whole(width, height)]]
-        levels += [search_tiles(width, height, share) for share in self._shares]
+        for share in self._shares:
+            known = {crop for level in levels for crop in level}  # in tiny pictures levels are alike
+            levels.append([tile for tile in search_tiles(width, height, share) if tile not in known])
         self._size = (width, height)
         self._crops = [crop for level in levels for crop in level]
         big, middle, small = _RATES
