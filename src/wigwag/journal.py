@@ -41,9 +41,9 @@ class Journal:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND, 0o644)
-        except FileExistsError:
-            raise InputError(f"{path}: there is a file already. Name another, or move it away.") from None
         except OSError as error:
+            if path.exists():
+                raise InputError(f"{path}: there is a file already. Name another, or move it away.") from None
             raise InputError(f"{path}: cannot be written ({error.strerror}).") from error
         self.failed = ""
         """Why nothing more is written, such as a full disk; empty: all is well."""
@@ -54,8 +54,8 @@ class Journal:
         pose = step.pose
         self._write(
             {
-                "situation": step.situation, "verdict": step.verdict, "wish": step.wish, "permit": step.permit,
-                "goal": step.goal, "state": step.state, "gesture": step.gesture, "command": step.command,
+                "situation": step.situation, "verdict": step.verdict, "wish": step.wish,
+                "permit": step.permit, "goal": step.goal, "state": step.state, "gesture": step.gesture, "command": step.command,
                 "pose": None if pose is None else {
                     "stamp_ns": pose.stamp_ns, "joints": np.round(pose.joints, 4),
                     "visibility": np.round(pose.visibility, 3),
