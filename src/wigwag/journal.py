@@ -55,7 +55,8 @@ class Journal:
         self._write(
             {
                 "situation": step.situation, "verdict": step.verdict, "wish": step.wish,
-                "permit": step.permit, "goal": step.goal, "state": step.state, "gesture": step.gesture, "command": step.command,
+                "permit": step.permit, "goal": step.goal, "state": step.state,
+                "gesture": step.gesture, "command": step.command,
                 "pose": None if pose is None else {
                     "stamp_ns": pose.stamp_ns, "joints": np.round(pose.joints, 4),
                     "visibility": np.round(pose.visibility, 3),
