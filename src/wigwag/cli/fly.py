@@ -65,6 +65,7 @@ class Fly:
         from rich.console import Console
         from threadpoolctl import threadpool_limits
 
+        from wigwag.cameras import parse_camera
         from wigwag.cli.flying import Flying
         from wigwag.fly.situation import Mode
         from wigwag.journal import Journal
@@ -74,7 +75,7 @@ class Fly:
 
         console = Console()
         config, commands = self.settings(), self.mapping()
-        if self.model is None and not self.camera.startswith("sim:"):
+        if parse_camera(self.camera).kind != "sim" and self.model is None:
             raise InputError("--model is missing: a real operator's gestures have to be taught first.")
         with threadpool_limits(1), ExitStack() as stack:
             with console.status("reading what was taught"):
