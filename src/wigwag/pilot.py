@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -21,11 +21,13 @@ from wigwag.fly.supervisor import Supervisor
 from wigwag.fly.values import Command, Setpoint, VehicleState
 from wigwag.gesture import Gesture
 from wigwag.skeleton import Pose
-from wigwag.stream.gesture_stream import StreamModel
 from wigwag.stream.listener import Listener, listening
 from wigwag.stream.segment import arms_down
 from wigwag.stream.spot import Recogniser, SpotConfig
 from wigwag.vehicles.protocol import AIRBORNE, FlightMode, Vehicle
+
+if TYPE_CHECKING:
+    from wigwag.stream.gesture_stream import StreamModel
 
 
 class PoseSource(Protocol):
