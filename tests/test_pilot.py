@@ -438,3 +438,65 @@ def test_processor_time_is_measured_with_the_clock_given_and_decides_nothing() -
     flight.pilot.clock = lambda: next(ticks) * 0.5
     step = flight.turn()
     assert (step.pose_s, step.rest_s) == (0.5, 0.5)
+
+
+class Engager(Sight):
+    """A pose source that knows who commands."""
+
+    class Somebody:
+        def __init__(self, number: int) -> None:
+            self.number = number
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.operator: Engager.Somebody | None = None
+
+
+def engaging() -> tuple[Flight, Engager]:
+    flight, sight = Flight(), Engager()
+    flight.sight = flight.pilot.pose = sight
+    return flight, sight
+
+
+def test_commands_count_a_second_after_somebody_engaged_and_stop_at_once() -> None:
+    flight, sight = engaging()
+    flight.turns(3.0)
+    assert "nobody has been the operator" in flight.turn("left").verdict.reason
+    assert flight.turn("stop").verdict.accepted is Command.STOP
+    sight.operator = Engager.Somebody(4)
+    flight.turns(0.8)
+    assert flight.turn("left").verdict.accepted is None
+    flight.turns(0.5)
+    assert flight.turn("left").verdict.accepted is Command.LEFT
+
+
+def test_somebody_else_who_engages_is_another_person_and_one_who_lets_go_is_not() -> None:
+    flight, sight = engaging()
+    sight.operator = Engager.Somebody(4)
+    flight.turns(2.0)
+    sight.operator = None
+    assert flight.turns(0.5)[-1].verdict.mode is Mode.FOLLOWING
+    sight.operator = Engager.Somebody(4)
+    assert flight.turns(0.5)[-1].situation.person == 0
+    sight.operator = Engager.Somebody(9)
+    step = flight.turn()
+    assert (step.verdict.mode, step.situation.person) == (Mode.HOLDING, 1)
+    flight.turns(1.2)
+    assert flight.turn("left").verdict.mode is Mode.EXECUTING
+
+
+def test_what_the_console_asks_for_comes_first_and_is_confirmed() -> None:
+    flight = Flight()
+    flight.turns(1.2)
+    flight.prompter.label = "left"
+    flight.now_ns += PERIOD_NS
+    step = flight.pilot.step(good(flight.now_ns), flight.now_ns, Command.LAND)
+    assert step.verdict.accepted is Command.LAND and flight.drone.asked == ["land"]
+
+
+def test_a_vehicle_found_in_the_air_may_be_held_until_the_first_command() -> None:
+    flight = Flight()
+    drone = Drone(FlightMode.HOLDING)
+    pilot = Pilot(flight.sight, Silent(), drone, clock=lambda: 0.0, in_the_air=Mode.HOLDING)  # type: ignore[arg-type]
+    drone.state = VehicleState(np.array([0.0, 0.0, 1.2]), np.zeros(3), 0.0, S)
+    assert pilot.step(good(S), S).verdict.mode is Mode.HOLDING

@@ -16,6 +16,7 @@ from wigwag.errors import InputError
 
 if TYPE_CHECKING:
     from wigwag.camera.lens import LensConfig
+    from wigwag.sim.camera import SimulatedCameraConfig
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +30,19 @@ class Form:
     source: Callable[[Address], Source]
     live: Callable[[Address], bool]
     """Whether it goes on by itself, so that frames are skipped rather than waited with."""
+
+
+def parse_camera(address: str) -> Address:
+    """Take a camera's address apart.
+
+    Raises:
+        InputError: If the address is of no known form, or an option is not known.
+    """
+    kind, colon, _ = address.partition(":")
+    form = _FORMS.get(kind)
+    if not colon or form is None:
+        raise InputError(f"{hide_password(address)!r} is no address of a camera. There are:\n{forms()}")
+    return parse(address, form.options)
 
 
 def open_camera(address: str) -> Camera:
@@ -48,11 +62,8 @@ def open_camera(address: str) -> Camera:
         ...     [frame.rgb.shape for frame in camera]
         [(480, 640, 3), (480, 640, 3), (480, 640, 3)]
     """
-    kind, colon, _ = address.partition(":")
-    form = _FORMS.get(kind)
-    if not colon or form is None:
-        raise InputError(f"{hide_password(address)!r} is no address of a camera. There are:\n{forms()}")
-    parsed = parse(address, form.options)
+    parsed = parse_camera(address)
+    form = _FORMS[parsed.kind]
     source = form.source(parsed)
     if form.live(parsed):
         return LiveCamera(source)
@@ -149,12 +160,23 @@ def _bag(address: Address) -> Source:
 
 
 def _sim(address: Address) -> Source:
-    from wigwag.sim.camera import SimulatedCameraConfig, SimulatedSource
+    from wigwag.sim.camera import SimulatedSource
+
+    return SimulatedSource(simulated(address))
+
+
+def simulated(address: Address) -> SimulatedCameraConfig:
+    """Return what a simulated camera's address asks for.
+
+    Raises:
+        InputError: If the address has a target, or an option is wrong.
+    """
+    from wigwag.sim.camera import SimulatedCameraConfig
 
     if address.target:
         raise InputError(f"sim: takes options only, such as sim:?seed=2, but got {address.target!r}.")
     default = SimulatedCameraConfig()
-    config = SimulatedCameraConfig(
+    return SimulatedCameraConfig(
         seed=address.whole("seed", default.seed),
         distance_m=address.number("distance_m", default.distance_m),
         rate_hz=address.number("rate_hz", default.rate_hz),
@@ -167,7 +189,6 @@ def _sim(address: Address) -> Source:
         near=address.whole("near", default.near),
         wall=address.flag("wall", default.wall),
     )
-    return SimulatedSource(config)
 
 
 def _is_recording(address: Address) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -35,6 +35,25 @@ class PoseSource(Protocol):
 
     def __call__(self, frame: Frame) -> Pose | None:
         """Return the operator's 3-D pose, or ``None`` when nobody is found."""
+        ...
+
+
+class Somebody(Protocol):
+    """Whoever commands, as a pose source knows them."""
+
+    @property
+    def number(self) -> int:
+        """Who; never given twice."""
+        ...
+
+
+@runtime_checkable
+class Engaging(Protocol):
+    """A pose source that knows who commands, also while they are not seen."""
+
+    @property
+    def operator(self) -> Somebody | None:
+        """Who commands; ``None``: nobody."""
         ...
 
 
@@ -111,6 +130,8 @@ class Pilot:
         clock: Processor time for the timings; never used for decisions.
         time_ns: The clock of the stamps, where it goes on while the pose is looked for; what is decided
             afterwards is decided at its time. By default at the time that ``step`` is given.
+        in_the_air: What a vehicle that hovers already is taken over with: followed at once, or held until
+            the first command.
     """
 
     def __init__(
@@ -123,6 +144,7 @@ class Pilot:
         config: PilotConfig | None = None,
         clock: Callable[[], float] = time.thread_time,
         time_ns: Callable[[], int] | None = None,
+        in_the_air: Mode = Mode.FOLLOWING,
     ) -> None:
         self.config = config or PilotConfig()
         self.pose, self.vehicle, self.clock, self.time_ns = pose, vehicle, clock, time_ns
@@ -130,21 +152,28 @@ class Pilot:
         self.spotter: Listener = listening(recogniser, self.config.spot)
         self.track = OperatorTrack(self.config.track, self.config.mount)
         self.helm = Helm(self.config.goal, self.config.follow, self.config.movement)
-        mode = Mode.FOLLOWING if vehicle.mode in AIRBORNE else Mode.DISARMED
+        mode = in_the_air if vehicle.mode in AIRBORNE else Mode.DISARMED
         self.supervisor = Supervisor(self.config.supervisor, mode)
         self.trouble = ""
         """The last complaint about a frame or a recogniser, for people to read."""
         self._camera_ns: int | None = None
         self._rested_ns: int | None = None
         self._deaf_ns: int | None = None
+        self._number: int | None = None
+        """Who commanded last, as the pose source counts."""
+        self._engaged_ns: int | None = None
+        self._swapped = 0
+        """How often somebody else took command."""
 
-    def step(self, frame: Frame | None, now_ns: int) -> Step:
+    def step(self, frame: Frame | None, now_ns: int, asked: Command | None = None) -> Step:
         """Run the loop once.
 
         Args:
             frame: The newest frame, or ``None`` if the camera has none: the clock goes on, and an
                 operator not seen for too long is lost.
             now_ns: Monotonic nanoseconds, the clock of the frame's and the vehicle's stamps.
+            asked: What somebody at the console asks for; it comes before what a gesture asks for, and
+                counts as confirmed.
         """
         began = self.clock()
         self.vehicle.beat(now_ns)
@@ -158,7 +187,9 @@ class Pilot:
         movement = self._level(pose) if pose is not None and own else None
         gesture = self._hear(movement, now_ns)
         command = None if gesture is None or gesture.label is None else self.commands.get(gesture.label)
-        situation, verdict, wish, sent = self._fly(command, gesture, state, now_ns)
+        held_s = np.inf if asked is not None else 0.0 if gesture is None else _held_s(gesture)
+        self._note_operator(now_ns)
+        situation, verdict, wish, sent = self._fly(asked or command, held_s, state, now_ns)
         done = self.clock()
         return Step(
             pose, movement, gesture, command, situation, verdict, wish, sent, self.helm.movement.goal, state,
@@ -189,6 +220,19 @@ class Pilot:
             self._deaf_ns = None
         return gesture
 
+    def _note_operator(self, now_ns: int) -> None:
+        """Note since when somebody has been the operator, and whether it is somebody else."""
+        if not isinstance(self.pose, Engaging):
+            self._engaged_ns = self.track.since_ns
+            return
+        operator = self.pose.operator
+        if operator is None:
+            self._engaged_ns = None
+        elif self._engaged_ns is None or operator.number != self._number:
+            self._engaged_ns = now_ns
+            self._swapped += self._number is not None and operator.number != self._number
+            self._number = operator.number
+
     def _level(self, pose: Pose) -> Pose:
         """Take the drone's tilt and turn out of a pose: what is left is the operator's own movement.
 
@@ -205,11 +249,11 @@ class Pilot:
         return replace(pose, joints=np.stack([-left, -world[:, 2], ahead], axis=1))
 
     def _fly(
-        self, command: Command | None, gesture: Gesture | None, state: VehicleState, now_ns: int
+        self, command: Command | None, held_s: float, state: VehicleState, now_ns: int
     ) -> tuple[Situation, Verdict, Setpoint, Permit]:
         """Decide, and let the vehicle know in the same turn: first the set-point, then what is asked."""
         before, track = self.supervisor.mode, self.track
-        situation = self._situation(command, gesture, state, now_ns)
+        situation = self._situation(command, held_s, state, now_ns)
         verdict = self.supervisor.step(situation)
         self.helm.enter(before, verdict, track, state)
         wish = self.helm.wish(verdict.mode, track, state, now_ns)
@@ -230,7 +274,7 @@ class Pilot:
         return situation, verdict, wish, sent
 
     def _situation(
-        self, command: Command | None, gesture: Gesture | None, state: VehicleState, now_ns: int
+        self, command: Command | None, held_s: float, state: VehicleState, now_ns: int
     ) -> Situation:
         """Say all that is known as plain values."""
         track = self.track
@@ -250,13 +294,13 @@ class Pilot:
             track.seen_ns,
             float(np.hypot(sight[0], sight[1])) if known else None,
             wrap(float(np.arctan2(sight[1], sight[0])) - state.heading_rad),
-            track.person,
-            track.since_ns,
+            track.person + self._swapped,
+            self._engaged_ns,
             self._rested_ns,
             self._deaf_ns,
             self.helm.moving,
             command,
-            0.0 if gesture is None else _held_s(gesture),
+            held_s,
         )
 
 

@@ -13,6 +13,7 @@ from wigwag.cli.benchmark import Benchmark
 from wigwag.cli.clips import Clips
 from wigwag.cli.demo import Demo
 from wigwag.cli.doctor import Doctor
+from wigwag.cli.fly import Fly
 from wigwag.cli.pose import PoseCommand
 from wigwag.cli.vocabulary import Vocabulary
 from wigwag.cli.watch import Watch
@@ -29,6 +30,7 @@ class Runnable(Protocol):
 
 Commands = (
     Annotated[Demo, tyro.conf.subcommand("demo")]
+    | Annotated[Fly, tyro.conf.subcommand("fly")]
     | Annotated[Benchmark, tyro.conf.subcommand("benchmark")]
     | Annotated[PoseCommand, tyro.conf.subcommand("pose")]
     | Annotated[Vocabulary, tyro.conf.subcommand("vocabulary")]

@@ -10,6 +10,7 @@ import tyro
 from wigwag.cli.benchmark_camera import CameraBenchmark
 from wigwag.cli.benchmark_dtw import DtwBenchmark
 from wigwag.cli.benchmark_far import FarBenchmark
+from wigwag.cli.benchmark_faults import FaultsBenchmark
 from wigwag.cli.benchmark_few_shot import FewShotBenchmark
 from wigwag.cli.benchmark_follow import FollowBenchmark
 from wigwag.cli.benchmark_gallery import GalleryBenchmark
@@ -42,6 +43,7 @@ class Benchmark:
             | Annotated[GalleryBenchmark, tyro.conf.subcommand("gallery")]
             | Annotated[FewShotBenchmark, tyro.conf.subcommand("few-shot")]
             | Annotated[RejectBenchmark, tyro.conf.subcommand("reject")]
+            | Annotated[FaultsBenchmark, tyro.conf.subcommand("faults")]
             | Annotated[FollowBenchmark, tyro.conf.subcommand("follow")]
             | Annotated[LinkBenchmark, tyro.conf.subcommand("link")]
             | Annotated[OperatorBenchmark, tyro.conf.subcommand("operator")]

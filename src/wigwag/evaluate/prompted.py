@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from wigwag.camera.watchdog import Watchdog
 from wigwag.errors import InputError
 from wigwag.fly.values import Command
 from wigwag.gesture import Gesture
@@ -62,7 +63,10 @@ class PromptedFlight:
         self.world, self.prompter = world, Prompter()
         self.pilot = Pilot(world, Nobody(), world.vehicle, config=config, clock=lambda: 0.0)
         self.pilot.spotter = self.prompter  # type: ignore[assignment]  # says, and never spots
+        self.watchdog = Watchdog()
         self.step: Step | None = None
+        self.clock_off_ns = 0
+        """How far the loop's clock is set off; stamps are not."""
 
     @property
     def now_s(self) -> float:
@@ -74,7 +78,9 @@ class PromptedFlight:
         if command is not None:
             self.prompter.says = command
         frame = self.world.step()
-        self.step = self.pilot.step(frame, self.world.now_ns)
+        now_ns = self.world.now_ns + self.clock_off_ns
+        health = self.watchdog.check(now_ns) if frame is None else self.watchdog.see(frame, now_ns)
+        self.step = self.pilot.step(frame if health.usable else None, now_ns)
         return self.step
 
     def turns(self, seconds: float) -> None:

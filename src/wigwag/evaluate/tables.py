@@ -193,6 +193,36 @@ def far_table(records: Sequence[Mapping[str, Any]]) -> str:
     return "\n".join(lines)
 
 
+def faults_table(records: Sequence[Mapping[str, Any]]) -> str:
+    """Return the table of ``wigwag benchmark faults``."""
+    lines = [
+        "| fault | ended as documented | end | within, s | at most, s | nearest to the person, m |",
+        "|---|---|---|---|---|---|",
+    ]
+    lines += [
+        f"| {r['fault']} | {r['ended_as_documented']} of {r['runs']} | {r['end_state']} | "
+        f"{r['documented_s']:g} | {r['time_s_max']:.1f} | {r['nearest_m']:.2f} |"
+        for r in records
+    ]
+    return "\n".join(lines)
+
+
+def follow_table(records: Sequence[Mapping[str, Any]]) -> str:
+    """Return the table of ``wigwag benchmark follow``."""
+    lines = [
+        "| vehicle | bearing error, mean (worst run) | distance error, mean (worst run) | commands miss "
+        "their end by, mean | within 15 %, % | runs |",
+        "|---|---|---|---|---|---|",
+    ]
+    lines += [
+        f"| {r['vehicle']} | {r['bearing_deg_mean']:.2f}° ({r['bearing_deg_worst_run']:.2f}°) | "
+        f"{r['distance_m_mean']:.2f} m ({r['distance_m_worst_run']:.2f} m) | "
+        f"{100 * r['command_error_mean']:.1f} % | {100 * r['commands_within_15']:.0f} | {r['runs']} |"
+        for r in records
+    ]
+    return "\n".join(lines)
+
+
 Records = Sequence[Mapping[str, Any]]
 
 PARTS: dict[str, tuple[str, Callable[[Records], str]]] = {
@@ -243,6 +273,15 @@ PARTS: dict[str, tuple[str, Callable[[Records], str]]] = {
         "Dynamic time warping of one query against 688 references of 64 frames, one thread, the libraries in "
         "turn in one process (`wigwag benchmark dtw --data DIR --json FILE`):",
         dtw_table,
+    ),
+    "faults": (
+        "Faults in flight (`wigwag benchmark faults --json FILE`):",
+        faults_table,
+    ),
+    "follow": (
+        "A person who walks an arc at 0.75 m/s for a minute, and every command, with late frames, noise and "
+        "gusts (`wigwag benchmark follow --json FILE`):",
+        follow_table,
     ),
     "gallery": (
         "A growing gallery (`wigwag benchmark gallery --data DIR --json FILE`), varied copies of UTD-MHAD's "

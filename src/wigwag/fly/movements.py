@@ -19,13 +19,19 @@ class MovementConfig:
     sideways_m: float = 1.0
     """Length of the arc flown on left and right."""
     sideways_m_s: float = 0.5
+    """Speed of that."""
     altitude_step_m: float = 0.3
+    """How far up and down go."""
     climb_m_s: float = 0.4
+    """Speed of that."""
     distance_step_m: float = 0.6
+    """How far closer and farther go."""
     distance_m_s: float = 0.4
+    """Speed of that."""
     orbit_rad: float = 2 * np.pi
     """Angle flown around the operator on orbit; any other command ends it sooner."""
     orbit_m_s: float = 0.6
+    """Speed of that."""
     slowing_1_s: float = 1.6
     """Speed for each metre that is left of the way: every movement ends gently."""
     near_m: float = 0.01
@@ -35,9 +41,13 @@ class MovementConfig:
     patience_s: float = 4.0
     """Longer than it should take, by this and half as much again, a movement gives up."""
     min_distance_m: float = 2.8
+    """No command leads closer."""
     max_distance_m: float = 5.5
+    """No command leads farther away."""
     min_altitude_m: float = 0.8
+    """No command leads lower."""
     max_altitude_m: float = 2.0
+    """No command leads higher."""
 
 
 class Movement:

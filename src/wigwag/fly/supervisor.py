@@ -68,7 +68,7 @@ class Supervisor:
         >>> seen = Situation(2 * s, Craft.DOWN, 2 * s, 2 * s, pose_ns=2 * s, distance_m=4.0, engaged_ns=0)
         >>> supervisor.step(replace(seen, command=Command.TAKE_OFF, held_s=0.5)).reason
         'take_off: show it again to confirm'
-        >>> supervisor.step(replace(seen, command=Command.TAKE_OFF, held_s=1.5)).action
+        >>> Supervisor().step(replace(seen, command=Command.TAKE_OFF, held_s=1.5)).action
         <Action.ARM: 'arm'>
     """
 

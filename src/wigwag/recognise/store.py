@@ -117,6 +117,16 @@ def read(
             }
 
 
+def kind_of(path: str | PathLike[str]) -> str:
+    """Return the name of the recogniser that a file holds.
+
+    Raises:
+        ModelError: If the file is missing, damaged, or none that ``write`` wrote.
+    """
+    with _opened(path) as archive, explained(path):
+        return str(json.loads(archive.read("header.json"))["recogniser"])
+
+
 @contextmanager
 def _opened(path: str | PathLike[str]) -> Iterator[zipfile.ZipFile]:
     """Open a model file; say of anything that goes wrong in reading it that it is damaged."""

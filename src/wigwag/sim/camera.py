@@ -15,6 +15,7 @@ from wigwag.sim.noise import SensorNoiseConfig
 from wigwag.sim.paint import Look
 from wigwag.sim.passerby import Passerby, crossings
 from wigwag.sim.person import Person
+from wigwag.sim.quadrotor import QuadrotorConfig
 from wigwag.sim.scene import SceneConfig
 from wigwag.sim.script import ScriptConfig, plan_session
 from wigwag.sim.world import World, WorldConfig
@@ -40,6 +41,8 @@ class SimulatedCameraConfig:
     """``None``: until the operator has shown everything."""
     noise: bool = True
     """Whether the sensor is a real one."""
+    parked: bool = False
+    """Whether the drone stands on the ground at first, for whoever flies it; by default it hovers."""
     engage: bool = True
     """Whether the operator first raises one hand, so that a chain that waits for it listens."""
     passersby: int = 0
@@ -74,11 +77,13 @@ class SimulatedSource(Source):
 
     Args:
         config: Who is seen, and how.
+        endless: Go on when all is shown, with the operator standing there; see ``shown``.
     """
 
-    def __init__(self, config: SimulatedCameraConfig | None = None) -> None:
-        self.config = config or SimulatedCameraConfig()
+    def __init__(self, config: SimulatedCameraConfig | None = None, endless: bool = False) -> None:
+        self.config, self._endless = config or SimulatedCameraConfig(), endless
         self.address = f"sim:?seed={self.config.seed}"
+        self._left = 0
         self.world: World | None = None
         """Open, and what is true in it; for judging only."""
 
@@ -92,7 +97,8 @@ class SimulatedSource(Source):
         look = Look.from_seed(c.seed, person.height_m)
         config = WorldConfig(
             rate_hz=c.rate_hz,
-            delay_frames=0,
+            delay_frames=1 if c.parked else 0,
+            quadrotor=QuadrotorConfig(position_m=(0.0, 0.0, 0.0)) if c.parked else QuadrotorConfig(),
             noise=SensorNoiseConfig() if c.noise else None,
             scene=SceneConfig(near=c.near, wall=look.shirt if c.wall else None),
             exposure=ExposureConfig(light=c.light) if c.light < 1 else None,
@@ -116,10 +122,15 @@ class SimulatedSource(Source):
 
     def read(self) -> Frame | None:
         """Let the world go on by a frame; ``None`` when all is shown."""
-        if self.world is None or self._left <= 0:
+        if self.world is None or (self.shown and not self._endless):
             return None
         self._left -= 1
         return self.world.step()
+
+    @property
+    def shown(self) -> bool:
+        """Whether the operator has shown everything, or the duration is over."""
+        return self._left <= 0
 
     def close(self) -> None:
         """Forget the world."""

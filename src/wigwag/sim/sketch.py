@@ -19,6 +19,7 @@ from wigwag.camera.frame import Frame, Intrinsics
 from wigwag.fly.operator import Mount, rotation
 from wigwag.fly.values import VehicleState
 from wigwag.skeleton import Landmark, Pose
+from wigwag.vehicles.protocol import Vehicle
 from wigwag.vehicles.simulated import Airframe, AutopilotConfig, SimulatedVehicle
 
 HIPS_M = 0.95
@@ -46,6 +47,14 @@ class Flown(Airframe, Protocol):
     @property
     def state(self) -> VehicleState:
         """The truth."""
+        ...
+
+
+class Stepped(Vehicle, Protocol):
+    """A vehicle that lives on a clock turned by hand."""
+
+    def step(self, dt_s: float) -> None:
+        """Fly on for ``dt_s`` seconds."""
         ...
 
 
@@ -95,6 +104,7 @@ class SketchWorld:
         person: Where the person is.
         config: How a pose is measured.
         seed: Draws noise and loss.
+        vehicle: What steers the airframe and is stepped with the world; by default a ``SimulatedVehicle``.
 
     Example:
         >>> from wigwag.sim.response import Response
@@ -107,11 +117,14 @@ class SketchWorld:
     """
 
     def __init__(
-        self, airframe: Flown, person: Walk, config: SketchConfig | None = None, seed: int = 0
-    ) -> None:
+        self, airframe: Flown, person: Walk, config: SketchConfig | None = None, seed: int = 0,
+        vehicle: Stepped | None = None,
+    ) -> None:  # fmt: skip
         self.config = config = config or SketchConfig()
         self.airframe, self.person, self.faults = airframe, person, Faults()
-        self.vehicle = SimulatedVehicle(airframe, config.autopilot, airborne=not airframe.on_ground)
+        self.vehicle: Stepped = vehicle or SimulatedVehicle(
+            airframe, config.autopilot, airborne=not airframe.on_ground
+        )
         self._rng = np.random.default_rng([seed, 0x5CE7])
         self._pending: deque[tuple[int, Frame]] = deque()
         """Pictures on their way: when they come, and what they are."""

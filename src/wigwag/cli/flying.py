@@ -1,0 +1,149 @@
+"""The loop of ``wigwag fly``: turn by turn to the end of a flight, and the end itself."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.live import Live
+from rich.markup import escape
+
+from wigwag.camera.fresh import Glimpse, fresh
+from wigwag.camera.watchdog import Watchdog
+from wigwag.errors import CameraError, DataError
+from wigwag.fly.situation import Mode
+from wigwag.fly.values import Command
+from wigwag.journal import Journal
+from wigwag.pilot import Pilot, Step
+from wigwag.rig import Rig
+from wigwag.vehicles.dry import DryVehicle
+from wigwag.vehicles.protocol import FlightMode
+
+_BLIND_TURN_S = 0.03
+
+
+class Flying:
+    """One flight: turns of the loop until the end, and the end itself.
+
+    Args:
+        console: Where transitions and the state of the moment are shown.
+        rig: Camera, vehicle and clock.
+        pilot: What flies; its vehicle may be a dry one.
+        journal: Where everything is written down.
+        land_on_exit: Land at the end, rather than hold.
+        duration_s: End after so many seconds.
+    """
+
+    def __init__(  # noqa: PLR0917  # one caller
+        self, console: Console, rig: Rig, pilot: Pilot, journal: Journal | None = None,
+        land_on_exit: bool = False, duration_s: float | None = None,
+    ) -> None:  # fmt: skip
+        self.console, self.rig, self.pilot, self.vehicle = console, rig, pilot, pilot.vehicle
+        self.journal, self.land_on_exit, self.duration_s = journal, land_on_exit, duration_s
+        self.watchdog, self.stopped, self.trouble = Watchdog(), False, ""
+
+    def fly(self) -> int:
+        """Fly to the end and return the exit code."""
+        began_ns = self.rig.now_ns()
+        try:
+            with (
+                self._interruptible(),
+                Live(console=self.console, refresh_per_second=8, transient=True) as live,
+            ):
+                for glimpse in self._glimpses():
+                    self._turn(glimpse, live)
+                    spent_s = (glimpse.now_ns - began_ns) * 1e-9
+                    limit_s = self.duration_s
+                    if self.stopped or self.rig.over() or (limit_s is not None and spent_s >= limit_s):
+                        break
+                self._end(live)
+        finally:
+            self.rig.vehicle.close()
+            if self.journal is not None:
+                self.journal.note(ended=self.trouble or "as wished")
+                self.journal.close()
+        return self._account()
+
+    def _glimpses(self) -> Iterator[Glimpse]:
+        """Look through the camera; should it fail for good, turns go on blindly until it has landed."""
+        try:
+            yield from fresh(self.rig.camera, self.watchdog, timeout_s=0.05)
+        except (CameraError, DataError) as error:
+            self.trouble = str(error)
+        if not self.rig.live:
+            return  # no time passes without frames
+        never = threading.Event()
+        while self.vehicle.mode is not FlightMode.DISARMED:
+            now_ns = self.rig.now_ns()
+            yield Glimpse(None, self.watchdog.check(now_ns), now_ns)
+            never.wait(_BLIND_TURN_S)
+
+    def _turn(self, glimpse: Glimpse, live: Live, asked: Command | None = None) -> None:
+        step = self.pilot.step(glimpse.frame, glimpse.now_ns, asked)
+        if self.journal is not None:
+            self.journal.turn(step)
+        if step.verdict.row:
+            text = f"{glimpse.now_ns * 1e-9:9.1f} s  {step.verdict.row}: {step.verdict.mode}"
+            self.console.print(text, highlight=False)
+        live.update(_line(step, glimpse.health.reason or self.pilot.trouble))
+
+    def _end(self, live: Live) -> None:
+        """Hold, or land if that is wished; then let go."""
+        ground = (FlightMode.DISARMED, FlightMode.READY)
+        if self.vehicle.mode in (*ground, FlightMode.MANUAL) or isinstance(self.vehicle, DryVehicle):
+            return
+        self.stopped = False  # from here on Ctrl-C leaves
+        ask: Command | None = Command.LAND if self.land_on_exit else Command.STOP
+        began_ns, patience_s = self.rig.now_ns(), 90.0 if self.land_on_exit else 1.5
+        for glimpse in self._glimpses():
+            self._turn(glimpse, live, ask)
+            ask = None
+            landed = self.vehicle.mode in ground or self.pilot.supervisor.mode is Mode.PILOT
+            if landed or self.stopped or (glimpse.now_ns - began_ns) * 1e-9 > patience_s:
+                return
+
+    @contextmanager
+    def _interruptible(self) -> Iterator[None]:
+        """Let Ctrl-C and a kind kill end the flight between two turns, never within one."""
+
+        def stop(number: int, frame: object) -> None:
+            self.stopped = True
+
+        before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
+        try:
+            yield
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)
+
+    def _account(self) -> int:
+        vehicle = self.vehicle
+        if isinstance(vehicle, DryVehicle):
+            kept = ", ".join(vehicle.kept) or "no request"
+            self.console.print(f"dry run: not passed on: {kept}; {vehicle.kept_setpoints} set-points.")
+        if self.journal is not None:
+            self.trouble = self.trouble or self.journal.failed
+            self.console.print(f"log: {self.journal.path}", highlight=False)
+        if self.trouble:
+            self.console.print(f"[bold red]ended in trouble:[/] {self.trouble}", highlight=False)
+            return 1
+        self.console.print(f"ended: the vehicle is {vehicle.mode}.", highlight=False)
+        return 0
+
+
+def _line(step: Step, trouble: str) -> str:
+    """Return the state of the moment on one line."""
+    now, state = step.situation, step.state
+    distance = "-" if now.distance_m is None or step.pose is None else f"{now.distance_m:.1f} m"
+    battery = "-" if state.battery is None else f"{100 * state.battery:.0f} %"
+    said = step.verdict.reason or trouble
+    return (
+        f"[bold]{step.verdict.mode.replace('_', ' ')}[/]  vehicle {now.craft}  operator {distance}  "
+        f"height {state.position_m[2]:.1f} m  battery {battery}  [yellow]{escape(said[:70])}[/]"
+    )
+
+
+__all__ = ["Flying"]
