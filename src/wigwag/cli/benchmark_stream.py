@@ -104,7 +104,7 @@ def _table(rows: list[dict[str, Any]]) -> Table:
 
     table = Table(
         title="Commands in streams",
-        caption="false an hour: commands that nobody gave, with the exact Poisson interval of one pass over "
+        caption="false/h: commands that nobody gave, with the exact Poisson interval of one pass over "
         "the material. delay: from the gesture's true end to the decision. seen: share of it by then.",
         box=SIMPLE_HEAD,
     )
@@ -115,7 +115,7 @@ def _table(rows: list[dict[str, Any]]) -> Table:
         "events",
         "F1",
         "found %",
-        "false an hour (95 %)",
+        "false/h (95 %)",
         "Jaccard",
         "delay s",
         "seen %",
