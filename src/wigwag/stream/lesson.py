@@ -31,6 +31,9 @@ _MOST_LOOKS = 100_000
 """How many references there are, how many stretches are learned from, and how many are judged: what the
 time of a decision, and of teaching, is bounded by."""
 
+_THINNED = 0.2
+"""Of streams that are not judged, this share of all stretches is kept."""
+
 
 @dataclass(slots=True)
 class Looked:
@@ -66,15 +69,20 @@ class Lesson:
     def learn(self, config: StreamConfig) -> StreamModel:
         """Teach everything."""
         owners = self._refer()
-        looked = [self._look(number) for number in range(len(self.streams))]
+        looked: list[list[Looked]] = [[] for _ in self.streams]
+        judged: list[int] = []
+        for number in self._order(config):
+            whole = sum(len(looked[i]) for i in judged) < _MOST_LOOKS
+            looked[number] = self._look(number, 1.0 if whole else _THINNED)
+            judged += [number] if whole else []
         self._teach(looked, owners)
-        rehearsals = self._rehearse(looked, owners, config)
+        rehearsals = self._rehearse({number: looked[number] for number in judged}, owners)
         typical = self._typical(rehearsals)
         for one in rehearsals:
             one.signs[:, 4] += np.log(typical[one.decided])
         self.model.typical = typical
         sureness, probabilities = self._be_sure(rehearsals)
-        thresholds = choose(rehearsals, probabilities, self.model.labels, config)
+        thresholds, config = choose(rehearsals, probabilities, self.model.labels, config)
         self.model.limits = limits_of(rehearsals, len(self.model.labels))
         return StreamModel(self.model, sureness, thresholds, config)
 
@@ -105,12 +113,13 @@ class Lesson:
         self.model.refer_to([clip for clip, _ in chosen], [str(clip.label) for clip, _ in chosen])
         return np.array([fold for _, fold in chosen])
 
-    def _look(self, number: int) -> list[Looked]:
-        """Watch one stream."""
+    def _look(self, number: int, share: float) -> list[Looked]:
+        """Watch one stream and keep a share of what is looked at."""
         truth = self.truth[number]
         return [
             Looked(h, meaning(h, truth), [side.astype(np.float16) for side in self.model.sides(clip)])
             for h, clip in watch(self.streams[number].stream)
+            if share == 1.0 or self.rng.random() < share
         ]
 
     def _number(self, stream: int, one: Looked) -> int:
@@ -152,15 +161,14 @@ class Lesson:
         return similar.features(distances)
 
     def _rehearse(
-        self, looked: Sequence[list[Looked]], owners: Int[np.ndarray, " references"], config: StreamConfig
+        self, looked: dict[int, list[Looked]], owners: Int[np.ndarray, " references"]
     ) -> list[Rehearsal]:
-        """Look at every stream with what others have taught."""
-        rehearsals, left = [], _MOST_LOOKS
-        for stream in self._order(config):
-            looks, fold = looked[stream], int(self.fold[stream])
-            if not looks or left <= 0 or fold not in self.without:
+        """Look at streams with what others have taught."""
+        rehearsals = []
+        for stream, looks in looked.items():
+            fold = int(self.fold[stream])
+            if not looks or fold not in self.without:
                 continue
-            left -= len(looks)
             memory = Memory.empty()
             allowed, weights = owners != fold, self.without[fold]
             decided, signs = np.empty(len(looks), dtype=np.int64), []

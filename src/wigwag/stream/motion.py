@@ -13,6 +13,10 @@ from wigwag.stream.ticks import RATE_HZ
 _ACROSS = np.array([1.0, 0.0, 1.0])
 _DIP = round(0.2 * RATE_HZ)
 _AROUND = round(0.4 * RATE_HZ)
+_CLIMB = 5
+_SLIGHT = 0.2
+"""What is slower than this share of the fastest that follows is no part of it; see
+:class:`~wigwag.features.canonical.CanonicalForm`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +111,14 @@ class Motion:
         """Return the greatest activity since a row."""
         count = min(self.row - since + 1, len(self._history))
         return max(self._history[-i] for i in range(1, count + 1)) if count > 0 else 0.0
+
+    def moving_since(self, row: int) -> int:
+        """Return where movement begins at or after a row: a stretch may begin with rest, or with little."""
+        history = list(self._history)[-(self.row - row + 1) :]
+        first = self.row - len(history) + 1
+        slow = max(self.config.off * self.on_m_s, _SLIGHT * max(history))
+        fast = next((i for i, speed in enumerate(history) if speed >= slow), 0)
+        return max(first + fast - _CLIMB, row)
 
     def update(self, joints: Float[np.ndarray, "13 3"]) -> None:
         """Take in the next row."""

@@ -46,16 +46,16 @@ class Memory:
         """Return a memory of nothing."""
         return cls({})
 
-    def recall(self, onset_ns: int, decided: int) -> tuple[float, float, int]:
+    def recall(self, onset: int, decided: int) -> tuple[float, float, int]:
         """Return what the last look at the same beginning said of the same label."""
-        last = self.looks.get(onset_ns)
+        last = self.looks.get(onset)
         if last is None:
             return (-0.5, -0.2, 0)
         return (last[1], last[2], last[3]) if last[0] == decided else (-1.0, -0.5, 0)
 
-    def keep(self, onset_ns: int, decided: int, over: float, lead: float, times: int) -> None:
+    def keep(self, onset: int, decided: int, over: float, lead: float, times: int) -> None:
         """Remember a look."""
-        self.looks[onset_ns] = (decided, over, lead, min(times + 1, 5))
+        self.looks[onset] = (decided, over, lead, min(times + 1, 5))
         if len(self.looks) > 64:
             self.looks = dict(sorted(self.looks.items())[-32:])
 
@@ -127,8 +127,8 @@ class PrefixModel:
         near = max(float(relative[nearest]), 1e-9)
         other = float(np.where(same, np.inf, relative).min(initial=30.0 * near))
         over, lead = scores[decided] - scores[classes], scores[decided] - second
-        before = memory.recall(hypothesis.onset_ns, decided)
-        memory.keep(hypothesis.onset_ns, decided, float(over), float(lead), before[2])
+        before = memory.recall(hypothesis.rows[0], decided)
+        memory.keep(hypothesis.rows[0], decided, float(over), float(lead), before[2])
         signs = np.array([
             scores[decided], lead, over, scores[classes + 1] + _MIDDLE,
             -np.log(near / self.typical[decided]), min(np.log(other / near), 3.0),

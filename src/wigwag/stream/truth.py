@@ -41,6 +41,8 @@ class Showing:
     end_ns: int
     """The same as the onset for an action point: the moment at which the gesture is to be recognised. When
     it began is then taken from the movement before it."""
+    exact: bool = False
+    """Whether to be recognised at its end, neither before nor after; so are action points."""
 
     def __post_init__(self) -> None:
         """Check the order."""
@@ -81,7 +83,7 @@ def with_onsets(showings: Sequence[Showing], seen: Sequence[Hypothesis]) -> tupl
             low, high = (showing.end_ns - round(s * 1e9) for s in reversed(_BEFORE_POINT_S))
             inside = np.flatnonzero((onsets >= low) & (onsets <= high)) if len(onsets) else onsets
             begin = int(onsets[inside[still[inside].argmin()]]) if len(inside) else (low + high) // 2
-        known.append(replace(showing, onset_ns=begin))
+        known.append(replace(showing, onset_ns=begin, exact=showing.exact or showing.is_point))
     return tuple(known)
 
 

@@ -127,10 +127,11 @@ class Watcher:
         if len(self._looked) > 4 * self.config.motion.most:
             alive = {onset.row for onset in self.motion.onsets}
             self._looked = {r: n for r, n in self._looked.items() if r in alive}
+        since = self.motion.moving_since(row)
         return Hypothesis(
-            self.ticks.stamp_ns(row),
+            self.ticks.stamp_ns(since),
             self.ticks.stamp_ns(now),
-            (now - row) / RATE_HZ,
+            (now - since) / RATE_HZ,
             self.motion.activity_m_s,
             self.motion.peak_m_s(row),
             min((o.still_m_s for o in self.motion.onsets if o.row == row), default=0.0),
