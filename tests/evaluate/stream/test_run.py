@@ -129,6 +129,7 @@ def test_a_good_system_gets_good_figures() -> None:
     assert row["hours_distinct"] == pytest.approx(row["hours"] / 2)
     assert row["false_commands_ci95"][1] == pytest.approx(3.689 / row["hours_distinct"], rel=1e-3)
     assert row["decided_before_end"] == 1.0
+    assert 0.9 < row["detection_rate_ci95"][0] < row["detection_rate_ci95"][1] == 1.0
     assert 0 < row["share_seen_median"] < 0.7
     assert row["delay_from_onset_s_median"] > 0 > row["delay_from_end_s_median"]
     assert (row["judged"], row["people"]) == ("s2 s4 s6 s8", 4)
