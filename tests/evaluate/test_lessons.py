@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from wigwag.evaluate.lessons import LessonConfig, lessons, teach
+from wigwag.evaluate.lessons import IN_STREAMS, LessonConfig, lessons, teach, teach_in_streams
 from wigwag.fly.values import Command
 from wigwag.recognise import EncodedRecognizer, HeavyRecognizer
 from wigwag.sim.clips import Session, cut, training_sessions
-from wigwag.skeleton import Clip
+from wigwag.skeleton import Clip, Pose
+from wigwag.stream.gesture_stream import StreamModel
 
 CONFIG = LessonConfig(people=2, repetitions=1, refused_per_person=5)
 
@@ -75,3 +76,22 @@ def test_what_is_taught_can_be_loaded_and_used(
     loaded = kind.load(model)
     assert tuple(loaded.classes_) == wanted
     assert set(loaded.predict(clips[:2])) <= set(wanted)
+
+
+def test_a_stream_model_is_taught_commands_and_keeps_other_gestures_silent(
+    sessions: list[Session], tmp_path: Path
+) -> None:
+    model, commands = tmp_path / "stream.wigwag", {command.value for command in Command}
+    shown = [s for session in sessions for s in session.shown]
+    assert teach_in_streams(sessions, model, "stream", CONFIG) == len(shown)
+    loaded = IN_STREAMS["stream"].load(model)
+    assert isinstance(loaded, StreamModel)
+    assert set(loaded.config.commands or ()) == {s.label for s in shown if s.is_command} <= commands
+    assert set(loaded.prefixes.labels) == {s.label for s in shown}
+    stream, heard = loaded.stream(), sessions[0].stream
+    said = [
+        gesture.label
+        for joints, stamp_ns in zip(heard.joints, heard.stamps_ns, strict=True)
+        if (gesture := stream.update(Pose(joints, np.ones(13), int(stamp_ns)))) is not None
+    ]
+    assert set(said) - {None} <= commands

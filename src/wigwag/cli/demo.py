@@ -47,8 +47,9 @@ class Demo:
     """Chooses the person, the order, and all noise."""
     out: Path = Path("out")
     """Folder for what is written."""
-    recognizer: Literal["kernel", "heavy", "encoded"] = "kernel"
-    """Which recogniser decides: wigwag's own, or one of the paper's two."""
+    recognizer: Literal["kernel", "stream", "heavy", "encoded"] = "kernel"
+    """Which recogniser decides: wigwag's own once a movement is over, or while it goes on (stream), or one of
+    the paper's two."""
     film: bool = True
     """Write demo.mp4."""
     idle: bool = False

@@ -77,7 +77,7 @@ def _taught(data: Path, recognizer: str, console: Console) -> tuple[Any, Any, Po
     """Return a recogniser for the stream, one of the six classes alone, the pose chain, and clips taught."""
     from wigwag.cli.demo import load_recogniser, pose_estimator
     from wigwag.datasets.utd_mhad import load_skeletons
-    from wigwag.evaluate.lessons import RECOGNISERS, warm_up
+    from wigwag.evaluate.lessons import RECOGNISERS, closed_of, warm_up
     from wigwag.evaluate.recorded import teach_recorded
 
     with tempfile.TemporaryDirectory() as folder:
@@ -91,7 +91,7 @@ def _taught(data: Path, recognizer: str, console: Console) -> tuple[Any, Any, Po
                 warm.result()
                 estimator = pose_estimator()
                 clips = taught.result()
-        stream, closed = load_recogniser(recognizer, model), RECOGNISERS[recognizer].load(six)
+        stream, closed = load_recogniser(recognizer, model), RECOGNISERS[closed_of(recognizer)].load(six)
     return stream, closed, estimator, clips
 
 

@@ -27,13 +27,12 @@ RECOGNISERS: dict[str, type[HeavyRecognizer] | type[EncodedRecognizer] | type[Ke
     "encoded": EncodedRecognizer,
 }
 
-InStreams = StreamModel | HeavyRecognizer | EncodedRecognizer
+InStreams = StreamModel | Teachable
 
-IN_STREAMS: dict[str, type[StreamModel] | type[HeavyRecognizer] | type[EncodedRecognizer]] = {
-    "kernel": StreamModel,
-    "heavy": HeavyRecognizer,
-    "encoded": EncodedRecognizer,
-}
+IN_STREAMS: dict[
+    str, type[StreamModel] | type[HeavyRecognizer] | type[EncodedRecognizer] | type[KernelRecognizer]
+]
+IN_STREAMS = {**RECOGNISERS, "stream": StreamModel}
 """What hears a stream, by the recogniser's name."""
 
 _IN_FLIGHT: dict[str, dict[str, Any]] = {"kernel": {"origin": "drift", "preset": "fast", "copies": 1}}
@@ -99,6 +98,11 @@ def teach_procedural(model: Path, recognizer: str = "kernel", config: LessonConf
     return teach_in_streams(sessions, model, recognizer, config)
 
 
+def closed_of(recognizer: str) -> str:
+    """Return which recogniser names single recordings where ``recognizer`` hears the stream."""
+    return "kernel" if recognizer == "stream" else recognizer
+
+
 def labelled(session: Session) -> LabelledStream:
     """Return a session with what is shown in it, commands and others by name."""
     showings = (Showing(s.label, round(s.start_s * 1e9), round(s.end_s * 1e9)) for s in session.shown)
@@ -116,14 +120,15 @@ def teach_in_streams(
     Args:
         sessions: Of training people; what they show beside commands is known by name and kept silent.
         model: Where to.
-        recognizer: ``"kernel"``: a stream model; ``"heavy"``, ``"encoded"``: a recogniser of clips.
+        recognizer: ``"stream"``: a stream model; ``"kernel"``, ``"heavy"``, ``"encoded"``: a recogniser of
+            clips.
         config: How much is taught of what is no gesture, for a recogniser of clips.
 
     Returns:
         How many showings, or clips, were taught.
     """
     config = config or LessonConfig()
-    if recognizer != "kernel":
+    if recognizer != "stream":
         return teach(lessons(sessions, config), model, recognizer)
     commands = sorted({s.label for session in sessions for s in session.shown if s.is_command})
     with threadpool_limits(1):

@@ -9,7 +9,7 @@ import numpy as np
 
 from wigwag.datasets.utd_mhad import RATE_HZ, load_raw20, load_skeletons
 from wigwag.errors import DataError
-from wigwag.evaluate.lessons import LessonConfig, teach, teach_in_streams
+from wigwag.evaluate.lessons import LessonConfig, closed_of, teach, teach_in_streams
 from wigwag.fly.values import Command
 from wigwag.sim.clips import SensorConfig, cut, watch
 from wigwag.sim.person import Person
@@ -83,5 +83,5 @@ def teach_recorded(
         rng = np.random.default_rng([0xACED, config.seed, int(subject[1:])])
         sessions.append(watch(person, script, SensorConfig(), rng))
     clips = [clip for session in sessions for clip in cut(session, seed=config.seed)]
-    teach([clip for clip in clips if clip.label in COMMANDS], six_classes, recognizer)
+    teach([clip for clip in clips if clip.label in COMMANDS], six_classes, closed_of(recognizer))
     return teach_in_streams(sessions, model, recognizer, config)
