@@ -123,7 +123,7 @@ def test_a_short_flight_from_pixels_to_figures_report_and_film(tmp_path: Path) -
         "shown": 1, "recognised": 1, "wrong": 0, "missed": 0, "decided_after_end_s_median": 0,
     }  # fmt: skip
     assert summary["false_commands"] == 0
-    assert session.log.rows[0].mode == Mode.GROUNDED.value
+    assert session.log.rows[0].mode == Mode.DISARMED.value
     assert session.log.rows[-1].mode in (Mode.TAKING_OFF.value, Mode.FOLLOWING.value)
     assert session.log.rows[-1].drone_m[2] > 0.02, "it left the ground"
     assert all(np.ptp(clip.joints, axis=0).max() > 0.3 for clip in recogniser.clips)

@@ -42,8 +42,8 @@ def test_an_unknown_table_is_refused(tmp_path: Path) -> None:
 
 
 STREAM = {
-    "data": "utd-mhad", "system": "stream", "vocabulary": "6", "corrupt": None, "hours": 2.04,
-    "hours_distinct": 0.26, "events": 760, "event_f1": 0.9712, "action_point_f1": None,
+    "data": "utd-mhad", "system": "stream", "vocabulary": "6", "corrupt": None, "rate_hz": 30.0,
+    "hours": 2.04,    "hours_distinct": 0.26, "events": 760, "event_f1": 0.9712, "action_point_f1": None,
     "detection_rate": 0.956, "false_commands_per_hour": 0.98, "false_commands_ci95": [0.0, 14.2], "twins": 0,
     "false_commands_per_hour_with_twins": 0.98, "jaccard": 0.91, "delay_from_end_s_median": -0.21,
     "decided_before_end": 0.61, "share_seen_median": 0.874, "ms_per_pose_mean": 0.312,
@@ -72,6 +72,7 @@ def test_streams_faults_and_cost_have_tables_of_their_own() -> None:
     assert "With faults:\n\n" in text and "| gap | 0.040 | +2 in 2.0 h | 0 |" in text
     assert "| stream | 30 | 0.410 | 1.73 | 9.0 | 1.01 | 411 (+0.3) |" in text
     assert "With faults" not in stream_table([STREAM])
+    assert "| utd-mhad at 18 Hz |" in stream_table([STREAM | {"rate_hz": 18.0}])
     assert stream_table([COST]).startswith("An hour without a break")
 
 

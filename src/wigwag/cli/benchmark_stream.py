@@ -102,9 +102,11 @@ def _table(rows: list[dict[str, Any]]) -> Table:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
+    from wigwag.evaluate.stream.tables import stream_of
+
     table = Table(
         title="Commands in streams",
-        caption="false an hour: commands that nobody gave, with the exact Poisson interval of one pass over "
+        caption="false/h: commands that nobody gave, with the exact Poisson interval of one pass over "
         "the material. delay: from the gesture's true end to the decision. seen: share of it by then.",
         box=SIMPLE_HEAD,
     )
@@ -115,7 +117,7 @@ def _table(rows: list[dict[str, Any]]) -> Table:
         "events",
         "F1",
         "found %",
-        "false an hour (95 %)",
+        "false/h (95 %)",
         "Jaccard",
         "delay s",
         "seen %",
@@ -127,7 +129,7 @@ def _table(rows: list[dict[str, Any]]) -> Table:
         low, high = row["false_commands_ci95"]
         table.add_row(
             row["system"],
-            row["data"] + (f", {row['corrupt']}" if row["corrupt"] else ""),
+            stream_of(row),
             row["vocabulary"],
             f"{row['hours']:.2f}",
             str(row["events"]),

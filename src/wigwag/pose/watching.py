@@ -91,16 +91,19 @@ class Watcher:
     ) -> None:
         self.config = config
         self._eyes, self._lift, self._people, self._keeper = eyes, lift, people, keeper
-        self.reset()
+        self._begin()
 
     def reset(self) -> None:
         """Begin another stream."""
+        self._begin()
+        if isinstance(self._eyes, BodyTracker):
+            self._eyes.reset()
+
+    def _begin(self) -> None:
         self._plan = Search(runs=1)
         self._frame_count = self._search_count = self._strangers = self._doubted = 0
         self.unplaced: Body | None = None
         """Seen in the frame in hand, but depth does not tell where they are."""
-        if isinstance(self._eyes, BodyTracker):
-            self._eyes.reset()
 
     def __call__(self, frame: Frame) -> None:
         """Look at the next frame."""

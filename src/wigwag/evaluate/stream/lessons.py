@@ -199,8 +199,8 @@ def person_stream(
 ) -> Recording:
     """Assemble one stream of one of UTD-MHAD's people: every recording of the vocabulary once.
 
-    Between gestures come everyday movements drawn from ``everyday`` and from the person's own jogging and
-    walking, unless those are in the vocabulary.
+    Between gestures come everyday movements, drawn in turn from each set in ``everyday`` and from the
+    person's own jogging and walking, unless those are in the vocabulary.
 
     Args:
         material: What was read.
@@ -221,13 +221,25 @@ def person_stream(
     own = [Shown(c, f"utd:{c.label}") for c in mine if c.label in ("a22", "a23") and c.label not in classes]
     rng = np.random.default_rng([*seed, int(person[1:])])
     groups = _groups(shown)
-    pool = [*everyday, *own]
-    between = [pool[int(i)] for i in rng.permutation(len(pool))]
-    while pool and len(between) < len(groups):
-        between += [pool[int(i)] for i in rng.permutation(len(pool))]
+    between = _in_turn([*everyday, *own], len(groups) or len(everyday), rng)
     body = Body.of(mine, utd_mhad.RATE_HZ)
     name = f"stream of {person}, {' '.join(map(str, seed))}"
     return assemble(body, groups, between, config, seed=[*seed, int(person[1:])], name=name)
+
+
+def _in_turn(pool: Sequence[Shown], count: int, rng: np.random.Generator) -> list[Shown]:
+    """Draw everyday movements from each set in turn, none again before all of its set have been shown."""
+    sets: dict[str, list[Shown]] = {}
+    for shown in pool:
+        sets.setdefault(shown.source.partition(":")[0], []).append(shown)
+    decks: dict[str, list[Shown]] = {name: [] for name in sets}
+    drawn: list[Shown] = []
+    while sets and len(drawn) < count:
+        for name, deck in decks.items():
+            if not deck:
+                deck += [sets[name][int(i)] for i in rng.permutation(len(sets[name]))]
+            drawn.append(deck.pop())
+    return [drawn[int(i)] for i in rng.permutation(len(drawn))]
 
 
 def _groups(clips: Sequence[Clip]) -> list[list[Shown]]:

@@ -21,6 +21,13 @@ def stream_table(records: Sequence[Mapping[str, Any]]) -> str:
     return "\n\n".join(tables)
 
 
+def stream_of(record: Mapping[str, Any]) -> str:
+    """Say what was shown: the stream, its rate if it is not the usual one, and what was wrong with it."""
+    assembled = record["data"] in ("utd-mhad", "own", "own+others")
+    rate = f" at {record['rate_hz']:g} Hz" if assembled and record["rate_hz"] != 30 else ""
+    return f"{record['data']}{rate}" + (f", {record['corrupt']}" if record["corrupt"] else "")
+
+
 def _streams(records: Sequence[Mapping[str, Any]]) -> str:
     lines = [
         "| system | stream | classes | hours (distinct) | gestures | F1 | found, % | false commands an hour "
@@ -34,7 +41,7 @@ def _streams(records: Sequence[Mapping[str, Any]]) -> str:
         if r["twins"]:
             false += f"; {r['false_commands_per_hour_with_twins']:.1f} with twins"
         shown = (
-            r["system"], r["data"], r["vocabulary"], f"{r['hours']:.1f} ({r['hours_distinct']:.1f})",
+            r["system"], stream_of(r), r["vocabulary"], f"{r['hours']:.1f} ({r['hours_distinct']:.1f})",
             str(r["events"] or ""), _shown(score, 3), _shown(r["detection_rate"], 1, 100), false,
             _shown(r["jaccard"], 3), _shown(r["delay_from_end_s_median"], 2),
             _shown(r["decided_before_end"], 0, 100), _shown(r["share_seen_median"], 0, 100),
@@ -76,4 +83,4 @@ def _shown(value: float | None, digits: int, times: float = 1.0) -> str:
     return "" if value is None else f"{times * value:.{digits}f}"
 
 
-__all__ = ["stream_table"]
+__all__ = ["stream_of", "stream_table"]

@@ -12,8 +12,10 @@ import numpy as np
 from jaxtyping import Float
 
 from wigwag.datasets.recording import Mark, Recording
+from wigwag.evaluate.metrics import people_interval, wilson_interval
 from wigwag.evaluate.stream.material import TWINS
 from wigwag.evaluate.stream.metrics import (
+    Match,
     Watched,
     delays,
     f1,
@@ -160,6 +162,7 @@ def figures(sessions: Sequence[Session], repeats: float = 1, points: bool = Fals
         "events": events,
         "event_f1": None if points or not events else f1([match_by_overlap(w) for w in seen]),
         "detection_rate": answered / events if events else None,
+        "detection_rate_ci95": _found_interval(seen, said) if events else None,
         "false_positive_rate": false / events if events else None,
         "false_commands": false,
         "false_commands_per_hour": false / hours,
@@ -179,6 +182,21 @@ def figures(sessions: Sequence[Session], repeats: float = 1, points: bool = Fals
         "ms_per_pose_mean": float(np.mean(took)),
         "ms_per_pose_p99": float(np.quantile(took, 0.99)),
     }
+
+
+def _found_interval(seen: Sequence[Watched], said: Sequence[Match]) -> list[float]:
+    """Return the 95 % interval of the detection rate on new people: whole people are drawn again.
+
+    Where every gesture is found, or none, that has no width: Wilson's score over the gestures stands in.
+    """
+    right: list[float] = []
+    people: list[str] = []
+    for one, match in zip(seen, said, strict=True):
+        right += [1.0] * len(match.found) + [0.0] * len(match.missed)
+        people += [one.person] * len(one.marks)
+    if sum(right) in (0, len(right)):
+        return list(wilson_interval(round(sum(right)), len(right)))
+    return list(people_interval(np.array(right), people, 0))
 
 
 def _cause(session: Session, event: Gesture) -> str:
