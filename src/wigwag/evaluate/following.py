@@ -104,6 +104,9 @@ def fly_command(vehicle: str, command: Command, seed: int) -> float:
         turn()
     before = where()
     turn(command)
+    heard_by_s = flight.now_s + 0.5  # a turn whose frame is late hears the command with the next one
+    while flight.pilot.supervisor.mode is not Mode.EXECUTING and flight.now_s < heard_by_s:
+        turn()
     until_s = flight.now_s + 90.0
     while flight.pilot.supervisor.mode is Mode.EXECUTING and flight.now_s < until_s:
         turn()
