@@ -22,7 +22,7 @@ from wigwag.evaluate.composites import (
     make_scene,
     painted_over,
 )
-from wigwag.evaluate.far import FarOptions, Trial, chosen_on, landmark_error, measure_far
+from wigwag.evaluate.far import FarOptions, Trial, in_first_half, landmark_error, measure_far
 from wigwag.evaluate.tables import far_table
 from wigwag.evaluate.walls import look_at_walls
 from wigwag.pose.blazepose import BlazePose
@@ -133,7 +133,7 @@ def test_errors_count_in_torsos(photos: list[Photo]) -> None:
 
 
 def test_halves_are_every_second_folder() -> None:
-    assert [chosen_on(name, "dbca") for name in "abcd"] == [True, False, True, False]
+    assert [in_first_half(name, "dbca") for name in "abcd"] == [True, False, True, False]
 
 
 def test_small_people_are_rightly_found_and_kept_and_walls_are_not(folder: Path, pose: BlazePose) -> None:

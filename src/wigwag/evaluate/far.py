@@ -88,8 +88,12 @@ class FarMeasurement:
     """What went wrong, with the picture."""
 
 
-def chosen_on(folder: str, folders: Sequence[str]) -> bool:
-    """Say whether thresholds were chosen on this folder: every second one by name, from the first."""
+def in_first_half(folder: str, folders: Sequence[str]) -> bool:
+    """Say whether this is one of the first half of the folders: every second one by name, from the first.
+
+    Both halves were in view when the mirror check was chosen: they show how much chance is in a figure, and
+    are no hold-out.
+    """
     return sorted(folders).index(folder) % 2 == 0
 
 
@@ -242,10 +246,8 @@ def _size_rows(size: int, mode: str, trials: list[Trial]) -> list[dict[str, Any]
     folders = sorted({trial.photo.parent.name for trial in trials})
     groups = {
         "all": trials,
-        "folders that thresholds were chosen on": [
-            t for t in trials if chosen_on(t.photo.parent.name, folders)
-        ],
-        "other folders": [t for t in trials if not chosen_on(t.photo.parent.name, folders)],
+        "every second folder": [t for t in trials if in_first_half(t.photo.parent.name, folders)],
+        "other folders": [t for t in trials if not in_first_half(t.photo.parent.name, folders)],
     }
     return [_row(name, size, mode, group) for name, group in groups.items() if group]
 
