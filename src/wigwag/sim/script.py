@@ -147,7 +147,7 @@ class ScriptConfig:
     """Least gap after take-off and before landing may be answered: the drone needs time to climb."""
     descend_s: float = 4.0
     """Gap after landing: the drone needs time to come down; the operator waits."""
-    step_back_m: float = 1.2
+    step_back_m: float = 1.8
     """How far the operator then steps back from the landed drone: near the ground its camera sees all of
     a person, raised hands included, only from afar."""
 
