@@ -148,7 +148,7 @@ def quiet(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Nothing is taught and no network is read for what fails before."""
     from wigwag.cli import fly
 
-    monkeypatch.setattr(fly.Fly, "_taught", lambda self, stack: (Nobody(), ("stop", "land")))
+    monkeypatch.setattr(fly.Fly, "taught", lambda self, stack: (Nobody(), ("stop", "land")))
     monkeypatch.setattr(fly.Fly, "_pose", lambda self: lambda frame: None)
     yield
 
@@ -172,7 +172,7 @@ def test_wrong_input_says_what_is_wrong(
 
     monkeypatch.setattr(fly.Fly, "_pose", lambda self: lambda frame: None)
     if "--model" not in options:
-        monkeypatch.setattr(fly.Fly, "_taught", lambda self, stack: (Nobody(), ("stop", "land")))
+        monkeypatch.setattr(fly.Fly, "taught", lambda self, stack: (Nobody(), ("stop", "land")))
     assert run(["fly", *options]) == 2
     assert says in " ".join(capsys.readouterr().err.split())
 

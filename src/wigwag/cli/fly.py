@@ -14,11 +14,7 @@ from wigwag.errors import InputError
 from wigwag.fly.values import Command
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
-    from wigwag.cli.preflight import Check
     from wigwag.pilot import PilotConfig, PoseSource
-    from wigwag.rig import Rig
     from wigwag.stream.models import Taught
 
 
@@ -67,6 +63,7 @@ class Fly:
 
         from wigwag.cameras import parse_camera
         from wigwag.cli.flying import Flying
+        from wigwag.cli.preflight import in_order
         from wigwag.fly.situation import Mode
         from wigwag.journal import Journal
         from wigwag.pilot import Pilot
@@ -79,11 +76,11 @@ class Fly:
             raise InputError("--model is missing: a real operator's gestures have to be taught first.")
         with threadpool_limits(1), ExitStack() as stack:
             with console.status("reading what was taught"):
-                model, labels = self._taught(stack)
+                model, labels = self.taught(stack)
             pose = self._pose()
             with console.status("opening camera and vehicle"):
                 rig = stack.enter_context(open_rig(self.camera, self.vehicle))
-            if not self._in_order(console, rig, config, labels, commands):
+            if not in_order(console, rig, config.supervisor, labels, commands):
                 return 1
             pilot = Pilot(
                 pose, model, DryVehicle(rig.vehicle) if self.dry_run else rig.vehicle, commands=commands,
@@ -139,7 +136,8 @@ class Fly:
             found[label] = Command(name)
         return found
 
-    def _taught(self, stack: ExitStack) -> tuple[Taught, tuple[str, ...]]:
+    def taught(self, stack: ExitStack) -> tuple[Taught, tuple[str, ...]]:
+        """Return the model and the labels that it speaks; without a file the demo's gestures are taught."""
         from wigwag.stream.models import load_model
 
         if self.model is not None:
@@ -160,37 +158,6 @@ class Fly:
                 BlazePoseConfig(models_dir=self.models_dir), operator=OperatorConfig(engage=self.engage)
             )
         )
-
-    def _in_order(
-        self, console: Console, rig: Rig, config: PilotConfig, labels: tuple[str, ...],
-        commands: dict[str, Command],
-    ) -> bool:  # fmt: skip
-        """Go through the checklist, print it, and say whether there is a flight."""
-        from wigwag.cli.preflight import check_camera, check_model, check_vehicle
-
-        checks = [
-            *check_model(labels, commands), *check_camera(rig), *check_vehicle(rig, config.supervisor)
-        ]  # fmt: skip
-        _show(console, checks)
-        faults = sum(check.state == "fault" for check in checks)
-        if faults:
-            console.print(f"[bold red]not in order:[/] {faults} of {len(checks)}; nothing flies.")
-        return not faults
-
-
-def _show(console: Console, checks: list[Check]) -> None:
-    from rich.box import SIMPLE_HEAD
-    from rich.markup import escape
-    from rich.table import Table
-
-    colours = {"ok": "green", "warning": "yellow", "fault": "red"}
-    table = Table(title="Before the flight", box=SIMPLE_HEAD)
-    for column in ("", "", "found", "what to do"):
-        table.add_column(column)
-    for check in checks:
-        state = f"[{colours[check.state]}]{check.state}[/]"
-        table.add_row(check.what, state, escape(check.detail), escape(check.fix))
-    console.print(table)
 
 
 __all__ = ["Fly"]
