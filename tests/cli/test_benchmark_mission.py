@@ -27,7 +27,7 @@ from wigwag.sim.autopilots import FakeArduPilot, FakePx4
 from wigwag.sim.pointmass import PointMass
 from wigwag.sim.tethered import TetheredVehicle
 from wigwag.skeleton import Clip
-from wigwag.stream.models import Taught, load_model
+from wigwag.stream.models import Taught, load_model, warm_up
 from wigwag.vehicles import FlightMode
 
 FAKES = (FakePx4, FakeArduPilot)
@@ -72,7 +72,9 @@ def taught(tmp_path_factory: pytest.TempPathFactory) -> tuple[Taught, tuple[str,
     """What three training people taught; whoever is flown for is none of them."""
     path = tmp_path_factory.mktemp("mission") / "model.wigwag"
     teach_procedural(path, config=LessonConfig(people=3))
-    return load_model(path)
+    model, labels = load_model(path)
+    warm_up(model)
+    return model, labels
 
 
 def report(mission: Mission, console: Console) -> str:

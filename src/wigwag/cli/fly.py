@@ -138,15 +138,17 @@ class Fly:
 
     def taught(self, stack: ExitStack) -> tuple[Taught, tuple[str, ...]]:
         """Return the model and the labels that it speaks; without a file the demo's gestures are taught."""
-        from wigwag.stream.models import load_model
+        from wigwag.stream.models import load_model, warm_up
 
-        if self.model is not None:
-            return load_model(self.model)
-        from wigwag.evaluate.lessons import teach_procedural
+        file = self.model
+        if file is None:
+            from wigwag.evaluate.lessons import teach_procedural
 
-        file = Path(stack.enter_context(tempfile.TemporaryDirectory())) / "demo.wigwag"
-        teach_procedural(file)
-        return load_model(file)
+            file = Path(stack.enter_context(tempfile.TemporaryDirectory())) / "demo.wigwag"
+            teach_procedural(file)
+        model, labels = load_model(file)
+        warm_up(model)
+        return model, labels
 
     def _pose(self) -> PoseSource:
         from wigwag.pose.blazepose import BlazePoseConfig
