@@ -11,6 +11,7 @@ import pytest
 
 from wigwag.camera.fresh import fresh
 from wigwag.errors import CameraError, InputError
+from wigwag.fly.operator import Mount
 from wigwag.fly.values import Setpoint, VehicleState
 from wigwag.rig import open_rig
 from wigwag.sim.autopilot_server import AutopilotServer
@@ -86,6 +87,12 @@ def test_a_mounted_camera_sees_the_operator_ahead_of_wherever_the_vehicle_stands
     assert middle_of(source.read())[1] == pytest.approx(3.8, abs=0.3), "one metre nearer"
     carrier.move(heading_rad=math.radians(110))
     assert middle_of(source.read())[0] > 380, "turned to the left, the operator is to the right"
+    tilted = Carrier()
+    low = tilted.source(mount=Mount(pitch_down_rad=math.radians(20)))
+    low.open()
+    low.read()
+    tilted.move(position_m=np.array([7.0, -3.0, 3.0]))
+    assert middle_of(low.read())[1] == pytest.approx(4.8, abs=0.4), "looking down, it sees them from 3 m"
 
 
 def test_a_mounted_camera_ends_with_the_duration_and_tells_of_a_silent_vehicle() -> None:

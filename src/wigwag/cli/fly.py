@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
@@ -41,6 +42,8 @@ class Fly:
     """Metres to the operator."""
     altitude: float = 1.2
     """Metres above the place of take-off."""
+    camera_pitch: float = 0.0
+    """Degrees that the camera looks down from straight ahead."""
     fence: tuple[float, ...] = (30.0,)
     """Radius of the fence, or corners of a polygon: east north east north ...; metres from where it was
     switched on."""
@@ -79,7 +82,7 @@ class Fly:
                 model, labels = self.taught(stack)
             pose = self._pose()
             with console.status("opening camera and vehicle"):
-                rig = stack.enter_context(open_rig(self.camera, self.vehicle))
+                rig = stack.enter_context(open_rig(self.camera, self.vehicle, config.mount))
             if not in_order(console, rig, config.supervisor, labels, commands):
                 return 1
             pilot = Pilot(
@@ -100,8 +103,11 @@ class Fly:
         from wigwag.fly.follow import Goal
         from wigwag.fly.limits import SupervisorConfig
         from wigwag.fly.movements import MovementConfig
+        from wigwag.fly.operator import Mount
         from wigwag.pilot import PilotConfig
 
+        if not -90 <= self.camera_pitch <= 90:
+            raise InputError(f"--camera-pitch must be -90 to 90 degrees, but got {self.camera_pitch:g}.")
         if len(self.fence) == 1:
             fence: Fence = Cylinder(self.fence[0])
         elif len(self.fence) % 2 == 0:
@@ -115,6 +121,7 @@ class Fly:
         )
         return PilotConfig(
             goal=Goal(distance_m=self.distance, altitude_m=self.altitude),
+            mount=Mount(pitch_down_rad=math.radians(self.camera_pitch)),
             movement=bounds,
             supervisor=SupervisorConfig(fence=fence, ceiling_m=self.ceiling),
         )

@@ -15,7 +15,7 @@ from wigwag.camera.frame import Frame, Intrinsics
 from wigwag.camera.live import Wait
 from wigwag.camera.protocol import Source
 from wigwag.errors import CameraError
-from wigwag.fly.operator import Mount, rotation
+from wigwag.fly.operator import rotation
 from wigwag.fly.values import VehicleState
 from wigwag.sim.camera import SimulatedCameraConfig
 from wigwag.sim.motion import Operator
@@ -60,7 +60,7 @@ class MountedSource(Source):
         self._operator = Operator(person, self._script, (c.distance_m, 0.0), seed=c.seed)
         self._look = Look.from_seed(c.seed, person.height_m)
         clear = np.array([[0.0, 0.0], [c.distance_m, 0.0]])
-        self._intrinsics, self._mount = Intrinsics(), Mount()
+        self._intrinsics, self._mount = Intrinsics(), c.mount
         self._renderer = Renderer(self._intrinsics, Scene(SceneConfig(near=c.near), c.seed, clear=clear))
         self._noise = SensorNoise(None, self._intrinsics, c.seed) if c.noise else None
         self._home: VehicleState | None = None
