@@ -112,8 +112,8 @@ def test_a_whole_mission_by_gestures(make, taught, tmp_path: Path) -> None:
         assert armed == [False, True, False], "armed once, and disarmed at the end"
         assert fake.height_m == 0
         assert seen == [
-            FlightMode.DISARMED, FlightMode.TAKING_OFF, FlightMode.HOLDING, FlightMode.STEERED,
-            FlightMode.LANDING, FlightMode.DISARMED,
+            FlightMode.DISARMED, FlightMode.READY, FlightMode.TAKING_OFF, FlightMode.HOLDING,
+            FlightMode.STEERED, FlightMode.LANDING, FlightMode.DISARMED,
         ], told  # fmt: skip
         assert vehicle.up.packets > 3000 and vehicle.down.packets > 10_000  # type: ignore[attr-defined]
         assert len(fake.received) > 2500, "set-points, thirty a second"
