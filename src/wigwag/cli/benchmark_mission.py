@@ -143,6 +143,8 @@ def fly_mission(
     with _StageCamera(stage) as camera:
         rig = Rig(camera, vehicle, now_ns, lambda: mission.over, live=False)
         if not in_order(console, rig, settings.supervisor, labels, {c.value: c for c in Command}):
+            if journal is not None:
+                journal.close()
             return mission
         stage.turn = mission.turn
         Flying(console, rig, pilot, journal, land_on_exit=True).fly()
