@@ -148,7 +148,7 @@ def quiet(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Nothing is taught and no network is read for what fails before."""
     from wigwag.cli import fly
 
-    monkeypatch.setattr(fly.Fly, "_taught", lambda self, stack: (Nobody(), ("stop", "land")))
+    monkeypatch.setattr(fly.Fly, "taught", lambda self, stack: (Nobody(), ("stop", "land")))
     monkeypatch.setattr(fly.Fly, "_pose", lambda self: lambda frame: None)
     yield
 
@@ -160,6 +160,7 @@ def quiet(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         (["--commands", "a6=dance"], "takes LABEL=COMMAND"),
         (["--fence", "1", "2", "3"], "--fence needs a radius, or pairs"),
         (["--altitude", "9"], "altitude_m is 9.0, but has to be"),
+        (["--camera-pitch", "120"], "--camera-pitch must be -90 to 90 degrees, but got 120"),
         (["--camera", "nonsense"], "is no address of a camera"),
         (["--vehicle", "zeppelin:1"], "is no address of a vehicle"),
         (["--model", "nowhere.wigwag"], "there is no such model file"),
@@ -172,7 +173,7 @@ def test_wrong_input_says_what_is_wrong(
 
     monkeypatch.setattr(fly.Fly, "_pose", lambda self: lambda frame: None)
     if "--model" not in options:
-        monkeypatch.setattr(fly.Fly, "_taught", lambda self, stack: (Nobody(), ("stop", "land")))
+        monkeypatch.setattr(fly.Fly, "taught", lambda self, stack: (Nobody(), ("stop", "land")))
     assert run(["fly", *options]) == 2
     assert says in " ".join(capsys.readouterr().err.split())
 
@@ -191,6 +192,9 @@ def test_settings_become_limits() -> None:
         5.0,
     )
     assert len(config.supervisor.fence.walls(5.0, 2.0)) == 3
+    assert Fly(camera_pitch=90.0).settings().mount.to_body(np.array([0.0, 0.0, 2.0])) == pytest.approx(
+        [0.1, 0.0, -2.0]
+    ), "straight down"
     with pytest.raises(InputError, match="radius_m must be above 0"):
         Fly(fence=(-1.0,)).settings()
 

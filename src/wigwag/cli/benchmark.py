@@ -16,6 +16,7 @@ from wigwag.cli.benchmark_follow import FollowBenchmark
 from wigwag.cli.benchmark_gallery import GalleryBenchmark
 from wigwag.cli.benchmark_lift import LiftBenchmark
 from wigwag.cli.benchmark_link import LinkBenchmark
+from wigwag.cli.benchmark_mission import MissionBenchmark
 from wigwag.cli.benchmark_monocular import MonocularBenchmark
 from wigwag.cli.benchmark_operator import OperatorBenchmark
 from wigwag.cli.benchmark_pose import PoseBenchmark
@@ -46,6 +47,7 @@ class Benchmark:
             | Annotated[FaultsBenchmark, tyro.conf.subcommand("faults")]
             | Annotated[FollowBenchmark, tyro.conf.subcommand("follow")]
             | Annotated[LinkBenchmark, tyro.conf.subcommand("link")]
+            | Annotated[MissionBenchmark, tyro.conf.subcommand("mission")]
             | Annotated[OperatorBenchmark, tyro.conf.subcommand("operator")]
             | Annotated[TransferBenchmark, tyro.conf.subcommand("transfer")]
             | Annotated[StreamBenchmark, tyro.conf.subcommand("stream")]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
@@ -14,11 +15,7 @@ from wigwag.errors import InputError
 from wigwag.fly.values import Command
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
-    from wigwag.cli.preflight import Check
     from wigwag.pilot import PilotConfig, PoseSource
-    from wigwag.rig import Rig
     from wigwag.stream.models import Taught
 
 
@@ -45,6 +42,8 @@ class Fly:
     """Metres to the operator."""
     altitude: float = 1.2
     """Metres above the place of take-off."""
+    camera_pitch: float = 0.0
+    """Degrees that the camera looks down from straight ahead."""
     fence: tuple[float, ...] = (30.0,)
     """Radius of the fence, or corners of a polygon: east north east north ...; metres from where it was
     switched on."""
@@ -67,6 +66,7 @@ class Fly:
 
         from wigwag.cameras import parse_camera
         from wigwag.cli.flying import Flying
+        from wigwag.cli.preflight import in_order
         from wigwag.fly.situation import Mode
         from wigwag.journal import Journal
         from wigwag.pilot import Pilot
@@ -79,11 +79,11 @@ class Fly:
             raise InputError("--model is missing: a real operator's gestures have to be taught first.")
         with threadpool_limits(1), ExitStack() as stack:
             with console.status("reading what was taught"):
-                model, labels = self._taught(stack)
+                model, labels = self.taught(stack)
             pose = self._pose()
             with console.status("opening camera and vehicle"):
-                rig = stack.enter_context(open_rig(self.camera, self.vehicle))
-            if not self._in_order(console, rig, config, labels, commands):
+                rig = stack.enter_context(open_rig(self.camera, self.vehicle, config.mount))
+            if not in_order(console, rig, config.supervisor, labels, commands):
                 return 1
             pilot = Pilot(
                 pose, model, DryVehicle(rig.vehicle) if self.dry_run else rig.vehicle, commands=commands,
@@ -103,8 +103,11 @@ class Fly:
         from wigwag.fly.follow import Goal
         from wigwag.fly.limits import SupervisorConfig
         from wigwag.fly.movements import MovementConfig
+        from wigwag.fly.operator import Mount
         from wigwag.pilot import PilotConfig
 
+        if not -90 <= self.camera_pitch <= 90:
+            raise InputError(f"--camera-pitch must be -90 to 90 degrees, but got {self.camera_pitch:g}.")
         if len(self.fence) == 1:
             fence: Fence = Cylinder(self.fence[0])
         elif len(self.fence) % 2 == 0:
@@ -118,6 +121,7 @@ class Fly:
         )
         return PilotConfig(
             goal=Goal(distance_m=self.distance, altitude_m=self.altitude),
+            mount=Mount(pitch_down_rad=math.radians(self.camera_pitch)),
             movement=bounds,
             supervisor=SupervisorConfig(fence=fence, ceiling_m=self.ceiling),
         )
@@ -139,16 +143,19 @@ class Fly:
             found[label] = Command(name)
         return found
 
-    def _taught(self, stack: ExitStack) -> tuple[Taught, tuple[str, ...]]:
-        from wigwag.stream.models import load_model
+    def taught(self, stack: ExitStack) -> tuple[Taught, tuple[str, ...]]:
+        """Return the model and the labels that it speaks; without a file the demo's gestures are taught."""
+        from wigwag.stream.models import load_model, warm_up
 
-        if self.model is not None:
-            return load_model(self.model)
-        from wigwag.evaluate.lessons import teach_procedural
+        file = self.model
+        if file is None:
+            from wigwag.evaluate.lessons import teach_procedural
 
-        file = Path(stack.enter_context(tempfile.TemporaryDirectory())) / "demo.wigwag"
-        teach_procedural(file)
-        return load_model(file)
+            file = Path(stack.enter_context(tempfile.TemporaryDirectory())) / "demo.wigwag"
+            teach_procedural(file)
+        model, labels = load_model(file)
+        warm_up(model)
+        return model, labels
 
     def _pose(self) -> PoseSource:
         from wigwag.pose.blazepose import BlazePoseConfig
@@ -160,37 +167,6 @@ class Fly:
                 BlazePoseConfig(models_dir=self.models_dir), operator=OperatorConfig(engage=self.engage)
             )
         )
-
-    def _in_order(
-        self, console: Console, rig: Rig, config: PilotConfig, labels: tuple[str, ...],
-        commands: dict[str, Command],
-    ) -> bool:  # fmt: skip
-        """Go through the checklist, print it, and say whether there is a flight."""
-        from wigwag.cli.preflight import check_camera, check_model, check_vehicle
-
-        checks = [
-            *check_model(labels, commands), *check_camera(rig), *check_vehicle(rig, config.supervisor)
-        ]  # fmt: skip
-        _show(console, checks)
-        faults = sum(check.state == "fault" for check in checks)
-        if faults:
-            console.print(f"[bold red]not in order:[/] {faults} of {len(checks)}; nothing flies.")
-        return not faults
-
-
-def _show(console: Console, checks: list[Check]) -> None:
-    from rich.box import SIMPLE_HEAD
-    from rich.markup import escape
-    from rich.table import Table
-
-    colours = {"ok": "green", "warning": "yellow", "fault": "red"}
-    table = Table(title="Before the flight", box=SIMPLE_HEAD)
-    for column in ("", "", "found", "what to do"):
-        table.add_column(column)
-    for check in checks:
-        state = f"[{colours[check.state]}]{check.state}[/]"
-        table.add_row(check.what, state, escape(check.detail), escape(check.fix))
-    console.print(table)
 
 
 __all__ = ["Fly"]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from wigwag.camera.frame import Frame
 from wigwag.camera.protocol import Source
 from wigwag.errors import InputError
+from wigwag.fly.operator import Mount
 from wigwag.sim.exposure import ExposureConfig
 from wigwag.sim.motion import Operator
 from wigwag.sim.noise import SensorNoiseConfig
@@ -55,6 +56,8 @@ class SimulatedCameraConfig:
     """How many things stand near the operator."""
     wall: bool = False
     """Whether a wall in the colour of the operator's shirt stands behind them."""
+    mount: Mount = field(default_factory=Mount)
+    """How it sits on the drone."""
 
     def __post_init__(self) -> None:
         """Check what the world does not."""
@@ -97,6 +100,7 @@ class SimulatedSource(Source):
         look = Look.from_seed(c.seed, person.height_m)
         config = WorldConfig(
             rate_hz=c.rate_hz,
+            mount=c.mount,
             delay_frames=1 if c.parked else 0,
             quadrotor=QuadrotorConfig(position_m=(0.0, 0.0, 0.0)) if c.parked else QuadrotorConfig(),
             noise=SensorNoiseConfig() if c.noise else None,
