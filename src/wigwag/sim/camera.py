@@ -14,10 +14,11 @@ from wigwag.sim.motion import Operator
 from wigwag.sim.noise import SensorNoiseConfig
 from wigwag.sim.paint import Look
 from wigwag.sim.passerby import Passerby, crossings
+from wigwag.sim.performing import PerformingConfig, plan_performances
 from wigwag.sim.person import Person
 from wigwag.sim.quadrotor import QuadrotorConfig
 from wigwag.sim.scene import SceneConfig
-from wigwag.sim.script import ScriptConfig, plan_session
+from wigwag.sim.script import Script, ScriptConfig, plan_session
 from wigwag.sim.world import World, WorldConfig
 
 _OTHERS = 500_000
@@ -55,6 +56,15 @@ class SimulatedCameraConfig:
     """How many things stand near the operator."""
     wall: bool = False
     """Whether a wall in the colour of the operator's shirt stands behind them."""
+    person: int | None = None
+    """Who is seen: another number is somebody of other size, tempo and habits. ``None``: follows the seed."""
+    perform: tuple[str, ...] = ()
+    """What they show, again and again (:data:`~wigwag.sim.gestures.PERFORMABLE`); none named: a session of
+    commands and other movements."""
+    times: int = 10
+    """How often, of ``perform``."""
+    pause_s: float = 5.0
+    """Rest after each showing of ``perform``."""
 
     def __post_init__(self) -> None:
         """Check what the world does not."""
@@ -69,6 +79,29 @@ class SimulatedCameraConfig:
                 f"but got {self.light}, {self.passersby} and {self.near}."
             )
 
+    @property
+    def address(self) -> str:
+        """What of it one would write as an address."""
+        who = "" if self.person is None else f"&person={self.person}"
+        what = f"&perform={','.join(self.perform)}" if self.perform else ""
+        return f"sim:?seed={self.seed}{who}{what}"
+
+    @property
+    def operator(self) -> Person:
+        """Who is seen."""
+        return Person.random(self.seed if self.person is None else self.person)
+
+    def script(self) -> Script:
+        """Plan what they show.
+
+        Raises:
+            InputError: If there is no simulated gesture of a name in ``perform``, or a number is wrong.
+        """
+        if self.perform:
+            config = PerformingConfig(self.times, self.pause_s, self.engage)
+            return plan_performances(self.operator, self.perform, self.seed, config)
+        return plan_session(self.operator, self.seed, ScriptConfig(engage=self.engage))
+
 
 class SimulatedSource(Source):
     """Frames with depth of an operator who shows gestures; the same seed shows the same frames.
@@ -82,7 +115,7 @@ class SimulatedSource(Source):
 
     def __init__(self, config: SimulatedCameraConfig | None = None, endless: bool = False) -> None:
         self.config, self._endless = config or SimulatedCameraConfig(), endless
-        self.address = f"sim:?seed={self.config.seed}"
+        self.address = self.config.address
         self._left = 0
         self.world: World | None = None
         """Open, and what is true in it; for judging only."""
@@ -90,11 +123,10 @@ class SimulatedSource(Source):
     def open(self) -> None:
         """Make the world."""
         c = self.config
-        person = Person.random(c.seed)
-        script = plan_session(person, c.seed, ScriptConfig(engage=c.engage))
+        person, script = c.operator, c.script()
         turned_rad = float(np.radians(c.turned_deg))
         operator = Operator(person, script, (c.distance_m, 0.0), seed=c.seed, turned_rad=turned_rad)
-        look = Look.from_seed(c.seed, person.height_m)
+        look = Look.from_seed(person.seed, person.height_m)
         config = WorldConfig(
             rate_hz=c.rate_hz,
             delay_frames=1 if c.parked else 0,

@@ -21,10 +21,8 @@ from wigwag.sim.camera import SimulatedCameraConfig
 from wigwag.sim.motion import Operator
 from wigwag.sim.noise import SensorNoise
 from wigwag.sim.paint import Look
-from wigwag.sim.person import Person
 from wigwag.sim.render import CameraPose, Renderer
 from wigwag.sim.scene import Scene, SceneConfig
-from wigwag.sim.script import ScriptConfig, plan_session
 
 
 class MountedSource(Source):
@@ -48,17 +46,16 @@ class MountedSource(Source):
         clock: Callable[[], int] = time.monotonic_ns,
         wait: Wait = threading.Event.wait,
     ) -> None:
-        self.config, self.address = config, f"sim:?seed={config.seed}"
+        self.config, self.address = config, config.address
         self._state, self._clock, self._wait = state, clock, wait
         self._stop = threading.Event()
 
     def open(self) -> None:
         """Make operator and surroundings."""
         c = self.config
-        person = Person.random(c.seed)
-        self._script = plan_session(person, c.seed, ScriptConfig(engage=c.engage))
+        person, self._script = c.operator, c.script()
         self._operator = Operator(person, self._script, (c.distance_m, 0.0), seed=c.seed)
-        self._look = Look.from_seed(c.seed, person.height_m)
+        self._look = Look.from_seed(person.seed, person.height_m)
         clear = np.array([[0.0, 0.0], [c.distance_m, 0.0]])
         self._intrinsics, self._mount = Intrinsics(), Mount()
         self._renderer = Renderer(self._intrinsics, Scene(SceneConfig(near=c.near), c.seed, clear=clear))
