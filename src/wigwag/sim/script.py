@@ -159,13 +159,13 @@ class ScriptConfig:
                 f"ScriptConfig.commands holds {sorted(unknown)}, which are no commands; known "
                 f"commands: {', '.join(sorted(known))}."
             )
-        if both := set(self.commands) & set(self.others):
-            raise InputError(f"ScriptConfig holds {sorted(both)} as commands and as movements that are none.")
         known = {*BACKGROUND, *DISTRACTORS, *FURTHER}
         if unknown := set(self.others) - known:
             raise InputError(
                 f"ScriptConfig.others holds {sorted(unknown)}; known movements: {sorted(known)}."
             )
+        if both := set(self.commands) & set(self.others):
+            raise InputError(f"ScriptConfig holds {sorted(both)} as commands and as movements that are none.")
 
 
 def shuffled_order(config: ScriptConfig, rng: np.random.Generator) -> list[tuple[str, bool]]:
