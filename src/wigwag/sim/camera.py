@@ -16,13 +16,20 @@ from wigwag.sim.paint import Look
 from wigwag.sim.passerby import Passerby, crossings
 from wigwag.sim.performing import PerformingConfig, plan_performances
 from wigwag.sim.person import Person
-from wigwag.sim.quadrotor import QuadrotorConfig
+from wigwag.sim.quadrotor import EstimateConfig, QuadrotorConfig
 from wigwag.sim.scene import SceneConfig
 from wigwag.sim.script import Script, ScriptConfig, plan_session
+from wigwag.sim.wind import WindConfig
 from wigwag.sim.world import World, WorldConfig
 
 _OTHERS = 500_000
 """Passers-by are drawn from seeds from here on."""
+
+TRIPOD_M = 1.2
+"""How high a camera stands that nobody flies."""
+
+PERFORMING_M = 4.5
+"""How far off they stand who perform: from nearer, it does not see raised hands and feet at once."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +72,8 @@ class SimulatedCameraConfig:
     """How often, of ``perform``."""
     pause_s: float = 5.0
     """Rest after each showing of ``perform``."""
+    tripod: bool = False
+    """Whether the camera stands still, ``TRIPOD_M`` high, as a webcam does, rather than hovers in gusts."""
 
     def __post_init__(self) -> None:
         """Check what the world does not."""
@@ -90,6 +99,16 @@ class SimulatedCameraConfig:
     def operator(self) -> Person:
         """Who is seen."""
         return Person.random(self.seed if self.person is None else self.person)
+
+    @property
+    def carrier(self) -> QuadrotorConfig:
+        """What carries the camera: a drone in gusts, one on the ground, or one that nothing ever moves."""
+        if self.parked:
+            return QuadrotorConfig(position_m=(0.0, 0.0, 0.0))
+        if self.tripod:
+            position_m, still = (0.0, 0.0, TRIPOD_M), WindConfig(gust_m_s=0.0)
+            return QuadrotorConfig(position_m=position_m, wind=still, estimate=EstimateConfig.exact())
+        return QuadrotorConfig()
 
     def script(self) -> Script:
         """Plan what they show.
@@ -130,7 +149,7 @@ class SimulatedSource(Source):
         config = WorldConfig(
             rate_hz=c.rate_hz,
             delay_frames=1 if c.parked else 0,
-            quadrotor=QuadrotorConfig(position_m=(0.0, 0.0, 0.0)) if c.parked else QuadrotorConfig(),
+            quadrotor=c.carrier,
             noise=SensorNoiseConfig() if c.noise else None,
             scene=SceneConfig(near=c.near, wall=look.shirt if c.wall else None),
             exposure=ExposureConfig(light=c.light) if c.light < 1 else None,

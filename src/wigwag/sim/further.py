@@ -35,12 +35,12 @@ def _semaphore(_: Side) -> list[Key]:
     ]  # fmt: skip
 
 
-def _crane(hand: Side) -> list[Key]:
-    """Stand on one leg, the knee of the other raised, arms spread low; down, and once more."""
-    up = one(hand, foot_forward=24, foot_up=42) | both(**{"raise": 62, "forward": 8, "bend": 14, "roll": 0})
-    up |= {"pelvis_left": 5.0 if hand == "right" else -5.0}
-    down = one(hand, foot_forward=0, foot_up=0) | both(**{"raise": 30, "forward": 8, "bend": 20, "roll": 0})
-    down |= {"pelvis_left": 0.0}
+def _crane(_: Side) -> list[Key]:
+    """Stand on the left leg, the right knee raised, arms spread low; down, and once more."""
+    low = both(**{"raise": 62, "forward": 8, "bend": 14, "roll": 0})
+    up = one("right", foot_forward=24, foot_up=42) | low | {"pelvis_left": 5.0}
+    hanging = both(**{"raise": 30, "forward": 8, "bend": 20, "roll": 0})
+    down = one("right", foot_forward=0, foot_up=0) | hanging | {"pelvis_left": 0.0}
     return [Key(0.55, up), Key(0.50, down), Key(0.50, up), Key(0.55, REST)]
 
 
