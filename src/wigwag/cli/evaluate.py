@@ -86,13 +86,18 @@ class Evaluate:
         console.print(table)
         for v in result.verdicts:
             if not v.right:
-                console.print(f"{v.clip.name}: {v.expected}, taken for {v.said}: {v.reason}", highlight=False)
+                console.print(
+                    f"{v.clip.name}: {v.expected}, taken for {v.said}: {v.reason}",
+                    highlight=False,
+                    soft_wrap=True,
+                )
         console.print(
             f"{figures['right']} of {figures['clips']} right: {100 * figures['accuracy']:.1f} % (95 % "
             f"interval over {figures['interval']} {100 * figures['accuracy_low']:.1f} to "
             f"{100 * figures['accuracy_high']:.1f} %); {figures['false_commands']} taken for a gesture that "
             "they are not.",
             highlight=False,
+            soft_wrap=True,
         )
         if self.out is not None:
             counts = confusion(
@@ -100,7 +105,7 @@ class Evaluate:
             )
             path = self.out / "confusion.png"
             draw_confusion(counts, labels, f"{self.model.name} on {self.clips.name}", path)
-            console.print(f"Picture: {path}", highlight=False)
+            console.print(f"Picture: {path}", highlight=False, soft_wrap=True)
 
 
 __all__ = ["Evaluate"]

@@ -81,13 +81,14 @@ class ShowGesture:
             )
         names = [name for label, name in student.examples() if label == self.gesture]
         nearest = student.neighbours(self.gesture)[:NEAREST]
-        console.print(f"{self.gesture}: {len(names)} examples", highlight=False)
+        console.print(f"{self.gesture}: {len(names)} examples", highlight=False, soft_wrap=True)
         for name in names:
-            console.print(f"  {name}", highlight=False, markup=False)
+            console.print(f"  {name}", highlight=False, soft_wrap=True, markup=False)
         for near in nearest:
             console.print(
                 f"nearest: {near.label}, {near.times:.2f} times the usual distance ({near.example})",
                 highlight=False,
+                soft_wrap=True,
             )
         records.add(
             gesture=self.gesture,
@@ -119,7 +120,7 @@ class RenameGesture:
         console = Console()
         student = _open(console, self.model).rename(self.gesture, self.name)
         student.save(self.model)
-        console.print(f"{self.model}: {self.gesture} is {self.name} now.", highlight=False)
+        console.print(f"{self.model}: {self.gesture} is {self.name} now.", highlight=False, soft_wrap=True)
         return 0
 
 
@@ -145,7 +146,9 @@ class RemoveGesture:
         with threadpool_limits(1), console.status("forgetting"):
             student.forget(self.gesture).save(self.model)
         console.print(
-            f"{self.model}: {self.gesture} is gone; {len(student.known)} gestures are left.", highlight=False
+            f"{self.model}: {self.gesture} is gone; {len(student.known)} gestures are left.",
+            highlight=False,
+            soft_wrap=True,
         )
         return 0
 

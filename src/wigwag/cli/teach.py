@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -14,13 +13,12 @@ from wigwag.errors import InputError
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from wigwag.camera.frame import Frame
     from wigwag.camera.protocol import Camera
     from wigwag.evaluate.taught import Estimate
     from wigwag.pose.estimator import PoseEstimator
     from wigwag.skeleton import Clip
     from wigwag.teach.student import Student
-    from wigwag.teach.teacher import Coaching, Sight, Teacher
+    from wigwag.teach.teacher import Coaching, LessonConfig, Teacher
 
 
 @dataclass(frozen=True)
@@ -54,6 +52,8 @@ class Teach:
     while it goes on and takes a minute to learn on."""
     engage: Literal["first", "gesture"] = "first"
     """Who teaches: whoever is seen first, or whoever raises one hand."""
+    learn: bool = True
+    """Let the model learn it; if not, the clips are kept alone, to evaluate by."""
     json: Path | None = None
     """File for the figures: one record."""
     models_dir: tyro.conf.Suppress[Path | None] = None
@@ -66,43 +66,45 @@ class Teach:
         from wigwag.cameras import open_camera, parse_camera
         from wigwag.datasets.folder import safe_name
         from wigwag.evaluate.records import Records, command_line
+        from wigwag.evaluate.taught import judge_of
+        from wigwag.teach.teacher import Stage, Teacher
 
         if not self.gesture.strip() or not self.subject.strip():
             raise InputError("--gesture and --subject need a name each.")
         safe_name(self.gesture)
-        records = Records(self.json, command_line("wigwag teach", self), 0)
-        lesson, console = self._lesson(parse_camera(self.camera).kind), Console()
+        lesson = self._lesson(parse_camera(self.camera).kind)
+        records, console = Records(self.json, command_line("wigwag teach", self), 0), Console()
         with threadpool_limits(1):
             student = self._student(console)
             with console.status("opening the camera"):
-                estimator = self._estimator()
-                camera = open_camera(self.camera)
+                estimator, camera = self._estimator(), open_camera(self.camera)
             with camera:
-                taught = self._record(console, camera, estimator, self._teacher(student, lesson))
-            estimate = self._learn(console, student, taught.clips) if taught.clips else None
-        records.add(**self._figures(taught, estimate, student))
-        if len(taught.clips) < self.repetitions:
-            console.print(
-                f"[red]the camera ended after {len(taught.clips)} of {self.repetitions} repetitions.[/] "
-                + ("What there is has been taught; show more to add to it." if taught.clips else "")
-            )
+                teacher = Teacher(self.gesture, self.subject, judge_of(student, self.gesture), lesson)
+                last = self._record(console, camera, estimator, teacher)
+            learns = self.learn and len(teacher.clips) > 0
+            estimate = self._learn(console, student, teacher.clips) if learns else None
+        records.add(**self._figures(teacher, estimate, student))
+        if last is None or last.stage is not Stage.DONE:
+            self._complain(console, last, len(teacher.clips))
             return 1
         return 0 if estimate is None or estimate.right == estimate.shown else 1
 
-    def _lesson(self, kind: str) -> Callable[[], Teacher]:
-        from wigwag.teach.teacher import LessonConfig, Teacher
+    def _complain(self, console: Console, last: Coaching | None, taken: int) -> None:
+        """Say that the camera ended too soon, and what was wrong then."""
+        text = f"{self.camera}: ended after {taken} of {self.repetitions} repetitions."
+        if last is not None and last.advice is not None:
+            text += f" Last said: {last.advice.text}."
+        if taken and self.learn:
+            text += " What there is has been learned; show more to add to it."
+        console.print(text, style="red", highlight=False, markup=False, soft_wrap=True)
+
+    def _lesson(self, kind: str) -> LessonConfig:
+        """Return how it goes: with a countdown where somebody can hear it."""
+        from wigwag.teach.teacher import LessonConfig
 
         live = kind in ("webcam", "realsense", "sim") and not self.camera.endswith((".bag", ".db3"))
         countdown_s = (3.0 if live else 0.0) if self.countdown is None else self.countdown
-        config = LessonConfig(self.repetitions, countdown_s)
-        return lambda: Teacher(self.gesture, self.subject, config=config)
-
-    def _teacher(self, student: Student, lesson: Callable[[], Teacher]) -> Teacher:
-        from wigwag.evaluate.taught import judge_of
-
-        teacher = lesson()
-        teacher.judge = judge_of(student, self.gesture)
-        return teacher
+        return LessonConfig(self.repetitions, countdown_s)
 
     def _student(self, console: Console) -> Student:
         from wigwag.evaluate.taught import teach_base
@@ -119,28 +121,23 @@ class Teach:
     def _estimator(self) -> PoseEstimator:
         from wigwag.pose.blazepose import BlazePoseConfig
         from wigwag.pose.estimator import PoseConfig, PoseEstimator
-        from wigwag.pose.monocular import MonocularConfig
         from wigwag.pose.operator import OperatorConfig
+        from wigwag.teach.seeing import for_lessons
 
-        # A webcam has no depth; nothing flies here.
-        return PoseEstimator(
-            PoseConfig(
-                BlazePoseConfig(models_dir=self.models_dir),
-                monocular=MonocularConfig(),
-                operator=OperatorConfig(engage=self.engage),
-            )
-        )
+        config = for_lessons(PoseConfig(BlazePoseConfig(models_dir=self.models_dir)))
+        return PoseEstimator(replace(config, operator=OperatorConfig(engage=self.engage)))
 
     def _record(
         self, console: Console, camera: Camera, estimator: PoseEstimator, teacher: Teacher
-    ) -> Teacher:
+    ) -> Coaching | None:
         from rich.live import Live
 
         from wigwag.camera.fresh import fresh
+        from wigwag.teach.seeing import see
         from wigwag.teach.teacher import Stage
         from wigwag.view.teaching import lesson_panel
 
-        shown_ns = None
+        shown_ns, coaching = None, None
         with Live(console=console, refresh_per_second=10, transient=True) as live:
             for glimpse in fresh(camera):
                 if glimpse.frame is None:
@@ -153,17 +150,20 @@ class Teach:
                     live.update(lesson_panel(self.gesture, coaching, self.repetitions, sight.pose))
                 if coaching.stage is Stage.DONE:
                     break
-        return teacher
+        return coaching
 
     def _note(self, console: Console, coaching: Coaching) -> None:
         """Say of a repetition that it was taken, and keep it; or why not."""
         if coaching.refused and coaching.advice is not None:
-            console.print(f"not taken: {coaching.advice.text}", style="yellow", highlight=False)
+            console.print(
+                f"not taken: {coaching.advice.text}", style="yellow", highlight=False, soft_wrap=True
+            )
         if coaching.clip is not None:
             path = keep(coaching.clip, self.clips, self.gesture, self.subject)
             console.print(
                 f"taken: {coaching.taken} of {self.repetitions}, {coaching.clip.duration_s:.1f} s, {path}",
                 highlight=False,
+                soft_wrap=True,
             )
 
     def _learn(self, console: Console, student: Student, clips: list[Clip]) -> Estimate | None:
@@ -177,6 +177,7 @@ class Teach:
         console.print(
             f"{self.model}: knows {self.gesture} now, by {student.counts()[self.gesture]} examples.",
             highlight=False,
+            soft_wrap=True,
         )
         if estimate is not None:
             low, high = estimate.interval
@@ -184,6 +185,7 @@ class Teach:
                 f"Leave-one-out ({estimate.protocol}): {estimate.right} of {estimate.shown} recognised; "
                 f"of so few that means {100 * low:.0f} to {100 * high:.0f} % (95 % interval).",
                 highlight=False,
+                soft_wrap=True,
             )
         return estimate
 
@@ -201,17 +203,6 @@ class Teach:
         }
 
 
-def see(estimator: PoseEstimator, frame: Frame) -> Sight:
-    """Look for whoever teaches in a frame."""
-    from wigwag.teach.advice import out_of_view
-    from wigwag.teach.teacher import Sight
-
-    pose, body = estimator(frame), estimator.body
-    height, width = frame.rgb.shape[:2]
-    parts = () if body is None or pose is None else out_of_view(body.points_px, width, height)
-    return Sight(frame.stamp_ns, pose, parts, estimator.why)
-
-
 def keep(clip: Clip, folder: Path, gesture: str, subject: str) -> Path:
     """Save a repetition under the first free number."""
     from wigwag.datasets.folder import clip_path, save_clip
@@ -222,4 +213,4 @@ def keep(clip: Clip, folder: Path, gesture: str, subject: str) -> Path:
     return save_clip(replace(clip, name=f"{gesture}-{subject}-{number}"), folder)
 
 
-__all__ = ["Teach", "keep", "see"]
+__all__ = ["Teach", "keep"]

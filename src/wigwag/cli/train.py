@@ -51,8 +51,10 @@ class Train:
         counts = Counter(clip.label for clip in loaded.clips)
         for label in sorted(label for label in counts if label is not None):
             people = len({clip.subject for clip in loaded.clips if clip.label == label})
-            console.print(f"  {label}: {counts[label]} clips of {people} people", highlight=False)
-        console.print(f"{self.output}: {len(student.known)} gestures.", highlight=False)
+            console.print(
+                f"  {label}: {counts[label]} clips of {people} people", highlight=False, soft_wrap=True
+            )
+        console.print(f"{self.output}: {len(student.known)} gestures.", highlight=False, soft_wrap=True)
         records.add(
             model=str(self.output),
             kind=type(student.model).__name__,

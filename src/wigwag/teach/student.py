@@ -21,7 +21,7 @@ from wigwag.stream.gesture_stream import StreamModel
 from wigwag.teach.advice import Near
 
 COPIES = 12
-LEEWAY = 4.0
+LEEWAY = 6.0
 """How a recogniser of clips takes in a gesture that one person has shown a few times: varied copies of each
 example, and how far below the threshold its log odds may lie. See docs/teaching.md for what was measured."""
 
