@@ -66,3 +66,10 @@ def test_different_people_look_different():
         with open_camera(f"sim:?perform=hug&person={person}&noise=0") as camera:
             pictures.append(next(iter(camera)).rgb)
     assert (pictures[0] != pictures[1]).any()
+
+
+@pytest.mark.parametrize(("tripod", "still"), [(1, True), (0, False)])
+def test_a_camera_on_a_tripod_stands_still_and_a_drones_does_not(tripod, still):
+    with open_camera(f"sim:?perform=hug&noise=0&tripod={tripod}&duration_s=1") as camera:
+        depths = [frame.depth_mm[-40:] for frame in camera]
+    assert all((depth == depths[0]).all() for depth in depths) == still

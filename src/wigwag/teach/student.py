@@ -21,9 +21,10 @@ from wigwag.stream.gesture_stream import StreamModel
 from wigwag.teach.advice import Near
 
 COPIES = 12
-LEEWAY = 6.0
+LEEWAY, LEEWAY_WITHOUT_BACKGROUND = 6.0, 2.0
 """How a recogniser of clips takes in a gesture that one person has shown a few times: varied copies of each
-example, and how far below the threshold its log odds may lie. See docs/teaching.md for what was measured."""
+example, and how far below the threshold its log odds may lie; less where no movement that is no gesture was
+taught, so that walking may look like a raised knee. See docs/teaching.md for what was measured."""
 
 
 class Student(ABC):
@@ -183,7 +184,9 @@ class KernelStudent(Student):
 
     def enrol(self, label: str, clips: Sequence[Clip]) -> Self:
         """Add a gesture or examples; see :class:`Student`."""
-        self._recogniser.enrol(label, clips, copies=COPIES, leeway=LEEWAY)
+        background = self._recogniser.doubt_.taught_background
+        leeway = LEEWAY if background else LEEWAY_WITHOUT_BACKGROUND
+        self._recogniser.enrol(label, clips, copies=COPIES, leeway=leeway)
         return self
 
     def forget(self, label: str) -> Self:
@@ -229,4 +232,4 @@ def open_student(path: str | PathLike[str]) -> Student:
     )
 
 
-__all__ = ["COPIES", "LEEWAY", "KernelStudent", "Student", "open_student"]
+__all__ = ["COPIES", "LEEWAY", "LEEWAY_WITHOUT_BACKGROUND", "KernelStudent", "Student", "open_student"]
