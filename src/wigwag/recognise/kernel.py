@@ -311,7 +311,7 @@ class KernelRecognizer(Classifier):
             raise InputError(f"enrol needs at least one clip of {label!r}, but got an empty list.")
         if not isinstance(label, str) or not label:
             raise InputError(f"enrol needs a gesture's name, but got {label!r}.")
-        self._ready_to_learn()
+        self.ready_to_learn()
         sides = [self._similar.sides(clip) for clip in clips]  # what can go wrong comes before any change
         rng = np.random.default_rng([self.random_state, len(self._rows)])
         wanted = max(self.copies_, 1) if copies is None else copies
@@ -349,7 +349,7 @@ class KernelRecognizer(Classifier):
             )
         if len(self.classes_) == 1:
             raise InputError(f"{label!r} is the only gesture; a recogniser without any is none.")
-        self._ready_to_learn()
+        self.ready_to_learn()
         number = int(np.flatnonzero(self.classes_ == label)[0])
         kept, kept_rows = self.numbers_ != number, self._row_numbers != number
         self._ridge.keep(kept_rows, np.repeat(kept, len(self._similar.kinds)), number)
@@ -370,8 +370,14 @@ class KernelRecognizer(Classifier):
         distances = np.stack([self._examples.distances(sides) for sides in references], axis=1)
         return self._similar.features(distances)
 
-    def _ready_to_learn(self) -> None:
-        """A loaded recogniser knows its weights alone; the first change takes what they came from."""
+    def ready_to_learn(self) -> None:
+        """Take back what the weights came from, which a loaded recogniser does not know: a second or two.
+
+        The first change does this by itself; call it before copying a recogniser that each copy will change.
+
+        Raises:
+            ModelError: If the file this was loaded from is gone or has been replaced.
+        """
         self._recall()
         if not hasattr(self, "_examples"):
             self._examples = Similarities.comparing(self._similar, self._rows)

@@ -206,6 +206,7 @@ class KernelStudent(Student):
 
     def copy(self) -> Self:
         """Return one that learns on by itself."""
+        self._recogniser.ready_to_learn()
         return type(self)(copy.deepcopy(self._recogniser))
 
     def _parts(self) -> tuple[Similarities, np.ndarray, np.ndarray]:
