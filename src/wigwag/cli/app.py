@@ -13,8 +13,12 @@ from wigwag.cli.benchmark import Benchmark
 from wigwag.cli.clips import Clips
 from wigwag.cli.demo import Demo
 from wigwag.cli.doctor import Doctor
+from wigwag.cli.evaluate import Evaluate
 from wigwag.cli.fly import Fly
+from wigwag.cli.gestures import Gestures
 from wigwag.cli.pose import PoseCommand
+from wigwag.cli.teach import Teach
+from wigwag.cli.train import Train
 from wigwag.cli.vocabulary import Vocabulary
 from wigwag.cli.watch import Watch
 from wigwag.errors import WigwagError
@@ -33,6 +37,10 @@ Commands = (
     | Annotated[Fly, tyro.conf.subcommand("fly")]
     | Annotated[Benchmark, tyro.conf.subcommand("benchmark")]
     | Annotated[PoseCommand, tyro.conf.subcommand("pose")]
+    | Annotated[Teach, tyro.conf.subcommand("teach")]
+    | Annotated[Gestures, tyro.conf.subcommand("gestures")]
+    | Annotated[Train, tyro.conf.subcommand("train")]
+    | Annotated[Evaluate, tyro.conf.subcommand("evaluate")]
     | Annotated[Vocabulary, tyro.conf.subcommand("vocabulary")]
     | Annotated[Watch, tyro.conf.subcommand("watch")]
     | Annotated[Clips, tyro.conf.subcommand("clips")]

@@ -23,6 +23,7 @@ from wigwag.cli.benchmark_pose import PoseBenchmark
 from wigwag.cli.benchmark_reject import RejectBenchmark
 from wigwag.cli.benchmark_smooth import SmoothBenchmark
 from wigwag.cli.benchmark_stream import StreamBenchmark
+from wigwag.cli.benchmark_teach import TeachBenchmark
 from wigwag.cli.benchmark_transfer import TransferBenchmark
 from wigwag.cli.benchmark_utd_mhad import UtdMhadBenchmark
 
@@ -51,6 +52,7 @@ class Benchmark:
             | Annotated[OperatorBenchmark, tyro.conf.subcommand("operator")]
             | Annotated[TransferBenchmark, tyro.conf.subcommand("transfer")]
             | Annotated[StreamBenchmark, tyro.conf.subcommand("stream")]
+            | Annotated[TeachBenchmark, tyro.conf.subcommand("teach")]
         ]
     ]
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from wigwag.evaluate.lessons import InStreams
     from wigwag.evaluate.session import Session
     from wigwag.pose.estimator import PoseEstimator
+    from wigwag.sim.script import ScriptConfig
     from wigwag.view.report import Still
 
 
@@ -37,6 +38,7 @@ class Demo:
     """Fly a simulated drone by the gestures of a simulated operator; every pose comes from rendered pixels.
 
     Writes summary.json, report.html and demo.mp4. Example: wigwag demo --seed 2 --out out
+    With gestures of your own: wigwag demo --model mine.wigwag --gestures goalpost --commands goalpost=orbit
     """
 
     motion: Literal["gestures", "utd-mhad"] = "gestures"
@@ -56,6 +58,15 @@ class Demo:
     """The operator walks, turns and fidgets and commands nothing; the drone hovers from the beginning."""
     duration: float = 600.0
     """Seconds of that."""
+    model: Path | None = None
+    """Fly by what was taught (wigwag teach, wigwag train) rather than by the demo's own recogniser."""
+    gestures: tuple[str, ...] = ()
+    """What is shown between taking off and landing, of what MODEL knows; by default the ten commands, and all
+    that --commands names."""
+    commands: tuple[str, ...] = ()
+    """Which label commands what beside the ten commands, such as goalpost=orbit crane=stop."""
+    rounds: int = 2
+    """How often everything is shown."""
 
     def run(self) -> int:
         """Teach, fly, judge, report; return 0."""
@@ -68,6 +79,10 @@ class Demo:
             )
         if self.idle and self.motion != "gestures":
             raise InputError("--idle is for --motion gestures: what recorded people show are gestures.")
+        if self.model is None and (self.gestures or self.commands or self.rounds != 2):
+            raise InputError("--gestures, --commands and --rounds are for --model FILE: teach one first.")
+        if self.model is not None and (self.motion != "gestures" or self.idle):
+            raise InputError("--model is for --motion gestures, and not for --idle.")
         began = time.monotonic()
         try:
             self.out.mkdir(parents=True, exist_ok=True)
@@ -87,7 +102,26 @@ class Demo:
             from wigwag.cli.demo_recorded import fly_recorded
 
             return fly_recorded(self, console)
-        return self._fly_procedural(console)
+        return self._fly_procedural(console) if self.model is None else self._fly_taught(self.model, console)
+
+    def _fly_taught(self, model: Path, console: Console) -> dict[str, Any]:
+        from wigwag.cli.demo_taught import mapping_of, session_of
+        from wigwag.stream.listener import listening
+        from wigwag.stream.models import load_model
+
+        taught, known = load_model(model)
+        commands = mapping_of(self.commands)
+        config = session_of(self.gestures, commands, known, model, self.rounds)
+        estimator = pose_estimator()
+        session = self._procedural_session(estimator, config)
+        session.pilot.commands, session.pilot.spotter = commands, listening(taught)
+        stills = fly(session, estimator, console, self.out / "demo.mp4" if self.film else None)
+        shown = {name: commands[name].value for name in config.commands}
+        summary = account_of(
+            session, self, {"model": str(model), "recognizer": type(taught).__name__, "commands": shown}
+        )
+        write(self, session, summary, stills)
+        return summary
 
     def _fly_procedural(self, console: Console) -> dict[str, Any]:
         from wigwag.evaluate.lessons import teach_procedural, warm_up
@@ -112,7 +146,7 @@ class Demo:
         write(self, session, summary, stills)
         return summary
 
-    def _procedural_session(self, estimator: PoseEstimator) -> Session:
+    def _procedural_session(self, estimator: PoseEstimator, shown: ScriptConfig | None = None) -> Session:
         from wigwag.evaluate.session import Session
         from wigwag.pilot import Pilot
         from wigwag.sim.idle import plan_idle
@@ -129,7 +163,7 @@ class Demo:
             operator = Operator(person, script, position_m=(HOVER_M, 0.0), seed=self.seed)
             config = WorldConfig()
         else:
-            script = plan_session(person, self.seed, ScriptConfig(engage=True))
+            script = plan_session(person, self.seed, shown or ScriptConfig(engage=True))
             operator = Operator(person, script, position_m=(START_M, 0.0), seed=self.seed)
             config = WorldConfig(quadrotor=QuadrotorConfig(position_m=(0.0, 0.0, 0.0)))
         world = World(config, self.seed, operator, Look.from_seed(self.seed, person.height_m))

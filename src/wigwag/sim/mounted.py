@@ -22,7 +22,6 @@ from wigwag.sim.gestures import perform
 from wigwag.sim.motion import Operator
 from wigwag.sim.noise import SensorNoise
 from wigwag.sim.paint import Look
-from wigwag.sim.person import Person
 from wigwag.sim.render import CameraPose, Renderer
 from wigwag.sim.scene import Scene, SceneConfig
 from wigwag.sim.script import Act, Script, plan_session
@@ -60,7 +59,7 @@ class MountedSource(Source):
         clock: Callable[[], int] = time.monotonic_ns,
         wait: Wait = threading.Event.wait,
     ) -> None:
-        self.config, self.address = config, f"sim:?seed={config.seed}"
+        self.config, self.address = config, config.address
         self._state, self._clock, self._wait = state, clock, wait
         self._stop = threading.Event()
 
@@ -72,12 +71,13 @@ class MountedSource(Source):
     def open(self) -> None:
         """Make operator and surroundings."""
         c = self.config
-        person = Person.random(c.seed)
-        self._later: Script | None = plan_session(person, c.seed)
+        person = c.operator
+        told = bool(c.perform)  # then they show that, whatever the vehicle does
+        self._later: Script | None = None if told else plan_session(person, c.seed)
         self._next_s, self._tries = _FIRST_S, 0
-        script = Script((), (), (), _FOREVER_S)
+        script = c.script() if told else Script((), (), (), _FOREVER_S)
         self._operator = Operator(person, script, (c.distance_m, 0.0), seed=c.seed)
-        self._look = Look.from_seed(c.seed, person.height_m)
+        self._look = Look.from_seed(person.seed, person.height_m)
         clear = np.array([[0.0, 0.0], [c.distance_m, 0.0]])
         self._intrinsics, self._mount = Intrinsics(), c.mount
         self._renderer = Renderer(self._intrinsics, Scene(SceneConfig(near=c.near), c.seed, clear=clear))

@@ -15,7 +15,7 @@ from jaxtyping import Float
 
 from wigwag.errors import InputError
 from wigwag.fly.values import Command
-from wigwag.sim.gestures import BACKGROUND, COMMANDS, DISTRACTORS, Performance, perform
+from wigwag.sim.gestures import BACKGROUND, COMMANDS, DISTRACTORS, FURTHER, Performance, perform
 from wigwag.sim.person import Person
 from wigwag.sim.recorded import Replay
 
@@ -153,13 +153,19 @@ class ScriptConfig:
 
     def __post_init__(self) -> None:
         """Check the names."""
-        if unknown := set(self.commands) - set(COMMANDS):
-            raise InputError(f"ScriptConfig.commands holds {sorted(unknown)}; known commands: {COMMANDS}.")
-        known = {*BACKGROUND, *DISTRACTORS}
+        known = {*COMMANDS, *FURTHER, *DISTRACTORS}
+        if unknown := set(self.commands) - known:
+            raise InputError(
+                f"ScriptConfig.commands holds {sorted(unknown)}, which are no commands; known "
+                f"commands: {', '.join(sorted(known))}."
+            )
+        known = {*BACKGROUND, *DISTRACTORS, *FURTHER}
         if unknown := set(self.others) - known:
             raise InputError(
                 f"ScriptConfig.others holds {sorted(unknown)}; known movements: {sorted(known)}."
             )
+        if both := set(self.commands) & set(self.others):
+            raise InputError(f"ScriptConfig holds {sorted(both)} as commands and as movements that are none.")
 
 
 def shuffled_order(config: ScriptConfig, rng: np.random.Generator) -> list[tuple[str, bool]]:
