@@ -13,8 +13,10 @@ from wigwag.cli.benchmark import Benchmark
 from wigwag.cli.clips import Clips
 from wigwag.cli.demo import Demo
 from wigwag.cli.doctor import Doctor
+from wigwag.cli.flight import FlightCommand
 from wigwag.cli.fly import Fly
 from wigwag.cli.pose import PoseCommand
+from wigwag.cli.replay import ReplayCommand
 from wigwag.cli.vocabulary import Vocabulary
 from wigwag.cli.watch import Watch
 from wigwag.errors import WigwagError
@@ -31,6 +33,8 @@ class Runnable(Protocol):
 Commands = (
     Annotated[Demo, tyro.conf.subcommand("demo")]
     | Annotated[Fly, tyro.conf.subcommand("fly")]
+    | Annotated[ReplayCommand, tyro.conf.subcommand("replay")]
+    | Annotated[FlightCommand, tyro.conf.subcommand("flight")]
     | Annotated[Benchmark, tyro.conf.subcommand("benchmark")]
     | Annotated[PoseCommand, tyro.conf.subcommand("pose")]
     | Annotated[Vocabulary, tyro.conf.subcommand("vocabulary")]

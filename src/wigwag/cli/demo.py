@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from wigwag.errors import InputError
+from wigwag.record.turns import Pictures
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from wigwag.evaluate.lessons import InStreams
     from wigwag.evaluate.session import Session
     from wigwag.pose.estimator import PoseEstimator
+    from wigwag.record.recorder import Recorder
     from wigwag.view.report import Still
 
 
@@ -56,6 +58,13 @@ class Demo:
     """The operator walks, turns and fidgets and commands nothing; the drone hovers from the beginning."""
     duration: float = 600.0
     """Seconds of that."""
+    record: Path | None = None
+    """Write the flight to this .mcap file too, for wigwag replay, Foxglove and Rerun; with --motion utd-mhad
+    one file a person, NAME-SUBJECT.mcap. Needs wigwag[record]."""
+    record_pictures: Pictures = "jpeg"
+    """What is kept of the pictures: none, jpeg, or png, which loses nothing."""
+    record_depth: bool = False
+    """Keep the depth too."""
 
     def run(self) -> int:
         """Teach, fly, judge, report; return 0."""
@@ -68,6 +77,10 @@ class Demo:
             )
         if self.idle and self.motion != "gestures":
             raise InputError("--idle is for --motion gestures: what recorded people show are gestures.")
+        if self.record is not None:
+            from wigwag.record.container import check_target
+
+            check_target(self.record)
         began = time.monotonic()
         try:
             self.out.mkdir(parents=True, exist_ok=True)
@@ -106,11 +119,31 @@ class Demo:
                     session = self._procedural_session(estimator)
                     clips = taught.result()
             recogniser = load_recogniser(self.recognizer, model)
+            recorder = self.recorder(session, model.read_bytes())
         session.pilot.spotter = listening(recogniser)
-        stills = fly(session, estimator, console, self.out / "demo.mp4" if self.film else None)
+        stills = fly(session, estimator, console, self.out / "demo.mp4" if self.film else None, recorder)
         summary = account_of(session, self, {"clips_taught": clips})
         write(self, session, summary, stills)
         return summary
+
+    def recorder(self, session: Session, model: bytes, name: str = "") -> Recorder | None:
+        """Return what writes a session down; ``None``: nothing does.
+
+        Args:
+            session: Before its first turn.
+            model: What was taught, as its file's bytes.
+            name: Goes into the file's name, where there are several sessions.
+        """
+        if self.record is None:
+            return None
+        from wigwag.record.recorder import Recorder
+
+        path = self.record.with_stem(f"{self.record.stem}-{name}") if name else self.record
+        facts = {"command": "wigwag demo", "motion": self.motion, "seed": str(self.seed)}
+        return Recorder(
+            path, session.pilot, pictures=self.record_pictures, depth=self.record_depth, model=model,
+            facts=facts, patient=True,
+        )  # fmt: skip
 
     def _procedural_session(self, estimator: PoseEstimator) -> Session:
         from wigwag.evaluate.session import Session
@@ -159,8 +192,11 @@ def load_recogniser(name: str, model: Path) -> InStreams:
     return IN_STREAMS[name].load(model)
 
 
-def fly(session: Session, estimator: PoseEstimator, console: Console, film: Path | None) -> list[Still]:
-    """Fly a session to its end; show progress, film it, and keep a still of each labelled gesture."""
+def fly(
+    session: Session, estimator: PoseEstimator, console: Console, film: Path | None,
+    recorder: Recorder | None = None,
+) -> list[Still]:  # fmt: skip
+    """Fly a session to its end; show progress, film and record it, keep a still of each labelled gesture."""
     from contextlib import nullcontext
 
     from wigwag.view.cockpit import Cockpit
@@ -177,6 +213,8 @@ def fly(session: Session, estimator: PoseEstimator, console: Console, film: Path
         task = progress.add_task("flying", total=frames, gestures=0)
         for count, turn in enumerate(session.fly()):
             cockpit.note(turn)
+            if recorder is not None:
+                recorder.turn(turn.frame, session.world.now_ns, turn.step)
             spoken = turn.step.gesture is not None and turn.step.gesture.label is not None
             if (recording is not None and count % 3 == 0) or spoken:
                 picture = cockpit.draw(turn, estimator.body)
@@ -187,6 +225,9 @@ def fly(session: Session, estimator: PoseEstimator, console: Console, film: Path
                     stills.append(Still(caption, jpeg(picture[:, :640])))
             if count % 15 == 0 or count == frames - 1:
                 progress.update(task, completed=count + 1, gestures=len(session.log.events))
+    if recorder is not None:
+        recorder.close(ended="all shown")
+        console.print(f"recorded: {recorder.path} {recorder.failed}", highlight=False)
     return stills
 
 

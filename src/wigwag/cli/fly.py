@@ -12,14 +12,15 @@ import tyro
 
 from wigwag.errors import InputError
 from wigwag.fly.values import Command
+from wigwag.record.turns import Pictures
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from wigwag.cli.preflight import Check
-    from wigwag.pilot import PilotConfig, PoseSource
+    from wigwag.pilot import Pilot, PilotConfig, PoseSource
+    from wigwag.record.recorder import Recorder
     from wigwag.rig import Rig
-    from wigwag.stream.models import Taught
 
 
 @dataclass(frozen=True)
@@ -56,8 +57,13 @@ class Fly:
     """Land on Ctrl-C and at the end, rather than hold."""
     duration_s: float | None = None
     """End after so many seconds."""
-    log: Path | None = None
-    """File for everything that is seen, decided and sent, a line of JSON a turn."""
+    record: Path | None = None
+    """MCAP file for everything that is seen, decided and sent; see docs/flights.md. Needs wigwag[record]."""
+    record_pictures: Pictures = "jpeg"
+    """What is kept of the colour pictures: none, jpeg (at most 350 MB in ten minutes), or png, which loses
+    nothing and is thirty times as large."""
+    record_depth: bool = False
+    """Keep the depth too, as it is."""
     models_dir: tyro.conf.Suppress[Path | None] = None
 
     def run(self) -> int:
@@ -68,18 +74,22 @@ class Fly:
         from wigwag.cameras import parse_camera
         from wigwag.cli.flying import Flying
         from wigwag.fly.situation import Mode
-        from wigwag.journal import Journal
         from wigwag.pilot import Pilot
+        from wigwag.record.container import check_target
         from wigwag.rig import open_rig
+        from wigwag.stream.models import load_model
         from wigwag.vehicles.dry import DryVehicle
 
         console = Console()
         config, commands = self.settings(), self.mapping()
         if parse_camera(self.camera).kind != "sim" and self.model is None:
             raise InputError("--model is missing: a real operator's gestures have to be taught first.")
+        if self.record is not None:
+            check_target(self.record)
         with threadpool_limits(1), ExitStack() as stack:
             with console.status("reading what was taught"):
-                model, labels = self._taught(stack)
+                file = self._model_file(stack)
+                model, labels = load_model(file)
             pose = self._pose()
             with console.status("opening camera and vehicle"):
                 rig = stack.enter_context(open_rig(self.camera, self.vehicle))
@@ -89,9 +99,8 @@ class Fly:
                 pose, model, DryVehicle(rig.vehicle) if self.dry_run else rig.vehicle, commands=commands,
                 config=config, in_the_air=Mode.HOLDING, time_ns=rig.now_ns if rig.live else None,
             )  # fmt: skip
-            facts = {"camera": self.camera, "vehicle": self.vehicle, "dry_run": self.dry_run}
-            journal = None if self.log is None else Journal(self.log, **facts)
-            return Flying(console, rig, pilot, journal, self.land_on_exit, self.duration_s).fly()
+            recorder = self._recorder(pilot, file, patient=not rig.live)
+            return Flying(console, rig, pilot, recorder, self.land_on_exit, self.duration_s).fly()
 
     def settings(self) -> PilotConfig:
         """Return all settings of the flight.
@@ -139,16 +148,28 @@ class Fly:
             found[label] = Command(name)
         return found
 
-    def _taught(self, stack: ExitStack) -> tuple[Taught, tuple[str, ...]]:
-        from wigwag.stream.models import load_model
-
+    def _model_file(self, stack: ExitStack) -> Path:
         if self.model is not None:
-            return load_model(self.model)
+            return self.model
         from wigwag.evaluate.lessons import teach_procedural
 
         file = Path(stack.enter_context(tempfile.TemporaryDirectory())) / "demo.wigwag"
         teach_procedural(file)
-        return load_model(file)
+        return file
+
+    def _recorder(self, pilot: Pilot, model: Path, patient: bool) -> Recorder | None:
+        if self.record is None:
+            return None
+        from wigwag.camera.address import hide_password
+        from wigwag.record.recorder import Recorder
+
+        facts = {
+            "camera": hide_password(self.camera), "vehicle": self.vehicle, "dry_run": str(self.dry_run)
+        }  # fmt: skip
+        return Recorder(
+            self.record, pilot, pictures=self.record_pictures, depth=self.record_depth,
+            model=model.read_bytes(), facts=facts, patient=patient,
+        )  # fmt: skip
 
     def _pose(self) -> PoseSource:
         from wigwag.pose.blazepose import BlazePoseConfig

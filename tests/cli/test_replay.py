@@ -1,0 +1,79 @@
+"""``wigwag replay`` and ``wigwag flight``: exit codes, what they say, what they write."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.record.flights import record
+from wigwag.cli.app import run
+from wigwag.record.repair import is_whole
+
+
+@pytest.fixture
+def recording(tmp_path: Path) -> Path:
+    path = tmp_path / "flight.mcap"
+    record(path, facts={"camera": "sketch:"})
+    return path
+
+
+def test_a_replay_that_is_the_same(recording: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = recording.with_name("figures.json")
+    assert run(["replay", str(recording), "--json", str(out)]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "420 turns, 14.0 s of flight" in said and "the same to the last bit: 4 gestures" in said
+    figures = json.loads(out.read_text())
+    assert figures["same"] and figures["turns"] == 420 and figures["times_real_time"] > 4
+    assert figures["differences"] == [] and figures["from"] == "poses"
+
+
+def test_another_model_is_compared(recording: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    import numpy as np
+
+    from wigwag.recognise import KernelRecognizer
+    from wigwag.skeleton import Clip
+
+    rng = np.random.default_rng(0)
+    clips = [Clip.at_rate(rng.normal(size=(30, 13, 3)), 30, label, "s1") for label in "abab"]
+    model = recording.with_name("other.wigwag")
+    KernelRecognizer(preset="fast", copies=0).fit(clips).save(model)
+    assert run(["replay", str(recording), "--model", str(model)]) == 1
+    said = " ".join(capsys.readouterr().out.split())
+    assert "not the same, from" in said and "take_off (1.000)" in said and "nothing" in said
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["replay", "nowhere.mcap"], "cannot be read"),
+        (["replay", "{}", "--from", "dreams"], "--from must be poses or frames"),
+        (["replay", "{}", "--from", "frames"], "holds no pictures that wigwag found poses in"),
+        (["replay", "{}", "--model", "nowhere.wigwag"], "there is no such model file"),
+        (["flight", "info", "nowhere.mcap"], "cannot be read"),
+    ],
+)
+def test_wrong_input_is_told(
+    recording: Path, words: list[str], says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run([word.format(recording) for word in words]) == 2
+    assert says in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_flight_is_told_about_and_mended(recording: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["flight", "info", str(recording)]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "420 in 14.0 s" in said and "gestures 4" in said and "its end whole" in said
+    whole = recording.read_bytes()
+    recording.write_bytes(whole[: len(whole) // 2])
+    assert run(["flight", "info", str(recording)]) == 0
+    assert "cut short; wigwag flight repair" in capsys.readouterr().out
+    assert run(["flight", "repair", str(recording)]) == 0
+    assert is_whole(recording)
+    assert "repaired," in capsys.readouterr().out
+    assert run(["flight", "repair", str(recording)]) == 0
+    assert "whole already" in capsys.readouterr().out
+    recording.write_bytes(b"no flight at all")
+    assert run(["flight", "repair", str(recording)]) == 1
+    assert "is no MCAP file" in " ".join(capsys.readouterr().out.split())
