@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.record.flights import record
+from tests.record.flights import flight, picture, record
 from wigwag.cli.app import run
 from wigwag.record.repair import is_whole
 
@@ -77,3 +77,46 @@ def test_a_flight_is_told_about_and_mended(recording: Path, capsys: pytest.Captu
     recording.write_bytes(b"no flight at all")
     assert run(["flight", "repair", str(recording)]) == 1
     assert "is no MCAP file" in " ".join(capsys.readouterr().out.split())
+
+
+def test_every_gesture_of_a_flight_is_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    import numpy as np
+
+    from tests.stream.people import examples, session
+    from wigwag.pilot import Pilot
+    from wigwag.recognise import KernelRecognizer
+    from wigwag.record.recorder import Recorder
+    from wigwag.sim.sketch import SketchWorld
+    from wigwag.skeleton import Pose
+
+    model, path, out = tmp_path / "m.wigwag", tmp_path / "flight.mcap", tmp_path / "why"
+    taught = KernelRecognizer(preset="fast").fit([c for n in range(4) for c in examples(n)])
+    taught.save(model)
+    world = SketchWorld(flight().world.airframe, lambda t: (4.5, 0.3), seed=3)
+    poses = iter(session(21).poses())
+    pilot = Pilot(lambda frame: shown[0], taught, world.vehicle)
+    recorder = Recorder(path, pilot, pictures="none", model=model.read_bytes(), patient=True)
+    heard = []
+    for turn, pose in enumerate(poses):
+        world.step()
+        frame = picture(turn)
+        shown = [Pose(pose.joints + np.array([0, 0, 2.0]), pose.visibility, world.now_ns)]
+        step = pilot.step(frame, world.now_ns)
+        recorder.turn(frame, world.now_ns, step)
+        heard += [step.gesture.label] if step.gesture is not None and step.gesture.label else []
+    recorder.close()
+    assert heard, "a gesture was said"
+    assert run(["replay", str(path)]) == 0
+    assert run(["explain", str(path), "--out", str(out)]) == 0
+    told = json.loads((out / "explained.json").read_text())
+    assert [one["label"] for one in told] == heard
+    assert all((out / one["picture"]).stat().st_size > 20_000 for one in told)
+    assert all(sum(one["pushes"].values()) == pytest.approx(one["lead"], abs=1e-3) for one in told)
+    assert run(["explain", str(path), "--model", str(tmp_path / "none"), "--out", str(out)]) == 2
+
+
+def test_a_flight_without_a_model_is_not_explained(
+    recording: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["explain", str(recording)]) == 2
+    assert "holds no model. Name one with --model" in " ".join(capsys.readouterr().err.split())

@@ -13,6 +13,7 @@ from wigwag.cli.benchmark import Benchmark
 from wigwag.cli.clips import Clips
 from wigwag.cli.demo import Demo
 from wigwag.cli.doctor import Doctor
+from wigwag.cli.explain import Explain
 from wigwag.cli.flight import FlightCommand
 from wigwag.cli.fly import Fly
 from wigwag.cli.pose import PoseCommand
@@ -34,6 +35,7 @@ Commands = (
     Annotated[Demo, tyro.conf.subcommand("demo")]
     | Annotated[Fly, tyro.conf.subcommand("fly")]
     | Annotated[ReplayCommand, tyro.conf.subcommand("replay")]
+    | Annotated[Explain, tyro.conf.subcommand("explain")]
     | Annotated[FlightCommand, tyro.conf.subcommand("flight")]
     | Annotated[Benchmark, tyro.conf.subcommand("benchmark")]
     | Annotated[PoseCommand, tyro.conf.subcommand("pose")]

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from wigwag.evaluate.lessons import InStreams
     from wigwag.evaluate.session import Session
     from wigwag.pose.estimator import PoseEstimator
+    from wigwag.recognise.explain import Explanation
     from wigwag.record.recorder import Recorder
     from wigwag.view.report import Still
 
@@ -104,7 +105,7 @@ class Demo:
 
     def _fly_procedural(self, console: Console) -> dict[str, Any]:
         from wigwag.evaluate.lessons import teach_procedural, warm_up
-        from wigwag.stream.listener import listening
+        from wigwag.stream.overhear import Overhearing
 
         with tempfile.TemporaryDirectory() as folder:
             model = Path(folder) / "demo.wigwag"
@@ -120,7 +121,7 @@ class Demo:
                     clips = taught.result()
             recogniser = load_recogniser(self.recognizer, model)
             recorder = self.recorder(session, model.read_bytes())
-        session.pilot.spotter = listening(recogniser)
+        session.pilot.spotter = Overhearing(recogniser)
         stills = fly(session, estimator, console, self.out / "demo.mp4" if self.film else None, recorder)
         summary = account_of(session, self, {"clips_taught": clips})
         write(self, session, summary, stills)
@@ -222,13 +223,21 @@ def fly(
                     recording.add(picture)
                 if spoken and turn.step.gesture is not None and len(stills) < 60:
                     caption = f"{turn.row.time_s:.1f} s: {str(turn.step.gesture.label).replace('_', ' ')}"
-                    stills.append(Still(caption, jpeg(picture[:, :640])))
+                    stills.append(Still(caption, jpeg(picture[:, :640]), _why(session)))
             if count % 15 == 0 or count == frames - 1:
                 progress.update(task, completed=count + 1, gestures=len(session.log.events))
     if recorder is not None:
         recorder.close(ended="all shown")
         console.print(f"recorded: {recorder.path} {recorder.failed}", highlight=False)
     return stills
+
+
+def _why(session: Session) -> Explanation | None:
+    """Return what the last gesture came from, if its listener can tell."""
+    from wigwag.stream.overhear import Overhearing
+
+    listener = session.pilot.spotter
+    return listener.explain() if isinstance(listener, Overhearing) else None
 
 
 def _progress(console: Console) -> Progress:

@@ -123,12 +123,15 @@ def make_session(
     from wigwag.sim.motion import Operator
     from wigwag.sim.paint import Look
     from wigwag.sim.world import World, WorldConfig
+    from wigwag.stream.overhear import Overhearing
 
     operator = Operator(person, script, position_m=(4.0, 0.0), seed=seed)
     look = Look.from_seed(seed, person.height_m)
     world = World(WorldConfig(), seed, operator, look)
     estimator.reset()
-    return Session(world, Pilot(estimator, recogniser, world.vehicle, commands=COMMANDS), script)
+    pilot = Pilot(estimator, recogniser, world.vehicle, commands=COMMANDS)
+    pilot.spotter = Overhearing(recogniser)
+    return Session(world, pilot, script)
 
 
 def choose(items: list[Item], rng: np.random.Generator) -> list[Item]:

@@ -237,8 +237,7 @@ class KernelRecognizer(Classifier):
         if self.doubt_.background(scores)[0] > scores[0, decided]:
             return Gesture(None, sure, first, last, last, f"like a movement that is no gesture; {account}")
         if log_odds[0] < self.accept_threshold_:
-            limit = float(self.doubt_.acceptance.probability(np.array([self.accept_threshold_]))[0])
-            reason = f"not sure of {label}: {sure:.3f} < {limit:.3f}; {account}"
+            reason = f"not sure of {label}: {sure:.3f} < {self.accept_probability:.3f}; {account}"
             return Gesture(None, sure, first, last, last, reason)
         return Gesture(label, sure, first, last, last, account)
 
@@ -251,6 +250,18 @@ class KernelRecognizer(Classifier):
         """
         self._check_fitted()
         return self._similar
+
+    @property
+    def weights(self) -> Float[np.ndarray, "features classes+1"]:
+        """What each similarity gives to each gesture's score, and to that of 'no gesture'."""
+        self._check_fitted()
+        return self._weights
+
+    @property
+    def accept_probability(self) -> float:
+        """How sure ``recognise`` has to be."""
+        self._check_fitted()
+        return float(self.doubt_.acceptance.probability(np.array([self.accept_threshold_]))[0])
 
     def _scores(self, clips: Sequence[Clip]) -> Float[np.ndarray, "clips classes+1"]:
         self._check_fitted()
