@@ -21,8 +21,8 @@ from wigwag.record import container
 from wigwag.record.codec import text
 from wigwag.record.flight import Flight
 from wigwag.record.recorder import Recorder
-from wigwag.record.repair import is_whole
-from wigwag.record.turns import IMAGE, SKELETON
+from wigwag.record.repair import is_whole, scan
+from wigwag.record.turns import CLOUD, IMAGE, SKELETON
 
 
 def test_every_turn_is_read_back_to_the_last_bit(tmp_path: Path) -> None:
@@ -79,6 +79,7 @@ def test_the_size_of_pictures_is_kept_to_whatever_they_show(tmp_path: Path) -> N
 
 def test_foxglove_reads_what_there_is_to_see(tmp_path: Path) -> None:
     from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
+    from foxglove_schemas_protobuf.PointCloud_pb2 import PointCloud
     from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 
     path = tmp_path / "flight.mcap"
@@ -94,6 +95,13 @@ def test_foxglove_reads_what_there_is_to_see(tmp_path: Path) -> None:
     assert cv2.imdecode(np.frombuffer(image.data, np.uint8), cv2.IMREAD_COLOR).shape == (48, 64, 3)
     entity = SceneUpdate.FromString(scenes[-1]).entities[0]
     assert len(entity.lines[0].points) == 28 and entity.lines[0].points[0].z > 3
+    with path.open("rb") as file:
+        clouds = [m.data for _, _, m in make_reader(file).iter_messages(topics=[CLOUD])]
+    cloud = PointCloud.FromString(clouds[-1])
+    points = np.frombuffer(cloud.data, np.dtype([("at", "<f4", 3), ("rgba", "u1", 4)]))
+    scene = np.array([[p.x, p.y, p.z] for p in entity.lines[0].points])
+    assert cloud.point_stride == 16 and len(points) == 14 * 5
+    np.testing.assert_allclose(points["at"].reshape(14, 5, 3)[:, [0, -1]].reshape(-1, 3), scene, atol=1e-6)
     assert topics >= {"/camera/depth", "/camera/calibration", "/tf", "/vehicle/state", "/setpoint"}
 
 
@@ -139,8 +147,10 @@ def test_one_cut_short_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
     path.write_bytes(whole[: len(whole) * 2 // 3])
     turns = list(Flight.open(path).turns())
     assert 30 < len(turns) < 110
+    path.write_bytes(whole)
+    chunks = [found for found in scan(path) if found.opcode == container.library().opcodes.CHUNK]
     damaged = bytearray(whole)
-    damaged[len(whole) // 3] ^= 0xFF
+    damaged[chunks[2].offset + chunks[2].length // 2] ^= 0xFF
     path.write_bytes(damaged)
     with pytest.raises(DataError, match="is damaged"):
         list(Flight.open(path).turns())

@@ -105,6 +105,26 @@ def skeleton(pose: Pose | None, stamp_ns: int) -> bytes:
     return bytes(made.SerializeToString())
 
 
+def cloud(pose: Pose | None, stamp_ns: int) -> bytes:
+    """Return the skeleton as points, for viewers that do not know scenes; without a pose, none of them."""
+    made = message("PointCloud")(frame_id=CAMERA, point_stride=_POINT.itemsize)
+    made.pose.orientation.w = 1.0
+    for name, part in (_POINT.fields or {}).items():
+        made.fields.add(name=name, offset=part[1], type=_FLOAT32 if part[0] == np.float32 else _UINT8)
+    if pose is None:
+        return bytes(_stamped(made, stamp_ns).SerializeToString())
+    bones = np.array(BONES)
+    ends = pose.joints[bones]
+    along = ends[:, None, 0] + _ALONG[:, None] * (ends[:, 1] - ends[:, 0])[:, None]
+    points = np.zeros(along.shape[:2], _POINT)
+    points["x"], points["y"], points["z"] = np.moveaxis(along, 2, 0)
+    for k, name in enumerate(("red", "green", "blue")):
+        points[name] = _BONE_COLOURS[:, None, k]
+    points["alpha"] = 255
+    made.data = points.tobytes()
+    return bytes(_stamped(made, pose.stamp_ns).SerializeToString())
+
+
 def _colour(a: int, b: int) -> tuple[float, float, float]:
     sides = {LANDMARKS[end].partition("_")[0] for end in (a, b)}
     return _LEFT if sides == {"left"} else _RIGHT if sides == {"right"} else _MIDDLE
@@ -154,6 +174,14 @@ def _times(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float,
     )
 
 
+_POINT = np.dtype([(name, "<f4") for name in "xyz"] + [(n, "u1") for n in ("red", "green", "blue", "alpha")])
+_UINT8, _FLOAT32 = 1, 7
+"""Foxglove's numbers for these types."""
+_ALONG = np.linspace(0.0, 1.0, 5)
+"""Where points are set on a bone."""
+_BONE_COLOURS = np.round(255 * np.array([_colour(a, b) for a, b in BONES])).astype(np.uint8)
+
+
 def log(stamp_ns: int, text: str, alarming: bool = False) -> bytes:
     """Return a line for the log: a gesture, a transition."""
     made = message("Log")(level=3 if alarming else 2, message=text, name="wigwag")
@@ -161,6 +189,6 @@ def log(stamp_ns: int, text: str, alarming: bool = False) -> bytes:
 
 
 __all__ = [
-    "calibration", "compressed_image", "depth_image", "log", "message", "protobuf_schema", "skeleton",
-    "transforms",
+    "calibration", "cloud", "compressed_image", "depth_image", "log", "message", "protobuf_schema",
+    "skeleton", "transforms",
 ]  # fmt: skip

@@ -22,6 +22,7 @@ from wigwag.record.codec import plain, schema, text
 from wigwag.record.container import Container
 from wigwag.record.turns import (
     CALIBRATION,
+    CLOUD,
     DEPTH,
     FOXGLOVE_CHANNELS,
     GESTURE,
@@ -233,6 +234,7 @@ class Recorder:
         made = [(TRANSFORMS, foxglove.transforms(step.state, self._mount, now_ns))]
         if step.pose is not None or self._shown:
             made.append((SKELETON, foxglove.skeleton(step.pose, now_ns)))
+            made.append((CLOUD, foxglove.cloud(step.pose, now_ns)))
         self._shown = step.pose is not None
         gesture, verdict = step.gesture, step.verdict
         if gesture is not None:

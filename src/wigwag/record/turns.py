@@ -23,7 +23,7 @@ TURN, POSE, STATE, SETPOINT, GESTURE = (
 )  # fmt: skip
 TRANSITION, NOTE = "/supervisor/transition", "/wigwag/note"
 IMAGE, DEPTH, CALIBRATION = "/camera/image", "/camera/depth", "/camera/calibration"
-SKELETON, TRANSFORMS, LOG = "/operator/skeleton", "/tf", "/log"
+SKELETON, CLOUD, TRANSFORMS, LOG = "/operator/skeleton", "/operator/points", "/tf", "/log"
 
 Pictures = Literal["none", "jpeg", "png"]
 """What is kept of the colour pictures: nothing; JPEG at a bounded size; PNG, which loses nothing."""
@@ -95,6 +95,6 @@ JSON_CHANNELS: dict[str, type] = {
 
 FOXGLOVE_CHANNELS: dict[str, str] = {
     IMAGE: "CompressedImage", DEPTH: "RawImage", CALIBRATION: "CameraCalibration", SKELETON: "SceneUpdate",
-    TRANSFORMS: "FrameTransforms", LOG: "Log",
+    CLOUD: "PointCloud",    TRANSFORMS: "FrameTransforms", LOG: "Log",
 }  # fmt: skip
 """Channels for whoever looks, in Foxglove's schemas."""
