@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import fcntl
 import io
+import os
 from pathlib import Path
 
 import pytest
@@ -13,7 +15,8 @@ from mcap.stream_reader import StreamReader
 
 from wigwag.errors import DataError, InputError
 from wigwag.record.container import Container
-from wigwag.record.repair import is_whole, repair
+from wigwag.record.repair import is_whole, repair, wait_until_written
+from wigwag.record.scribe import serve
 
 SCHEMA = ("wigwag.Test", "jsonschema", b"{}")
 
@@ -43,7 +46,9 @@ def test_it_is_whole_after_every_chunk_and_readers_seek_in_it(tmp_path: Path) ->
     for chunks in range(4):
         path.unlink(missing_ok=True)
         file = write(path, chunks)
-        data = path.read_bytes()  # not closed
+        file._scribe.close()  # type: ignore[union-attr]  # everything is handed over, nothing more is
+        file._scribe = None
+        data = path.read_bytes()
         assert is_whole(path)
         assert numbers(data) == list(range(3 * chunks))
         assert numbers(data, "/b") == [3 * k for k in range(chunks)]
@@ -81,8 +86,9 @@ def test_a_last_chunk_of_rubbish_is_taken_off(tmp_path: Path) -> None:
     """A kill within the writing of a chunk leaves its beginning before the rest of the old end."""
     path = tmp_path / "f.mcap"
     file = write(path, 2)
-    size, end = path.stat().st_size, file.size
+    end = file.size
     file.close()
+    size = path.stat().st_size
     write(tmp_path / "g.mcap", 3).close()
     longer, whole = (tmp_path / "g.mcap").read_bytes(), path.read_bytes()
     for written in (1, 5, 9, 12, 60):
@@ -92,6 +98,31 @@ def test_a_last_chunk_of_rubbish_is_taken_off(tmp_path: Path) -> None:
         assert len(torn) == size
         repair(path)
         assert numbers(path.read_bytes()) == list(range(6)), written
+
+
+def test_while_it_is_written_it_is_not_mended(tmp_path: Path) -> None:
+    path = tmp_path / "f.mcap"
+    write(path, 1).close()
+    os.truncate(path, path.stat().st_size - 20)
+    with path.open("rb") as file:
+        fcntl.flock(file, fcntl.LOCK_SH)
+        with pytest.raises(InputError, match="is being written; wait until the flight is over"):
+            repair(path)
+    other = Container(tmp_path / "g.mcap")
+    with (tmp_path / "g.mcap").open("rb") as file, pytest.raises(BlockingIOError):
+        fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    other.close()
+    wait_until_written(tmp_path / "g.mcap")
+    assert not repair(path).complete and numbers(path.read_bytes()) == [0, 1, 2]
+
+
+def test_a_write_that_did_not_arrive_whole_is_dropped(tmp_path: Path) -> None:
+    path = tmp_path / "f"
+    with path.open("w+b") as file:
+        head = (0).to_bytes(8, "little") + (4).to_bytes(8, "little")
+        assert serve(io.BytesIO(head + b"abcd" + head + b"xy"), file.fileno()) == 0
+        assert serve(io.BytesIO(head[:9]), file.fileno()) == 0
+        assert path.read_bytes() == b"abcd"
 
 
 def test_what_is_no_mcap_file_is_told_and_left(tmp_path: Path) -> None:

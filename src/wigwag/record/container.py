@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import zlib
 from collections.abc import Mapping
@@ -13,6 +14,7 @@ from typing import Any
 
 from wigwag.camera.extras import load
 from wigwag.errors import InputError
+from wigwag.record.scribe import Scribe
 
 MAGIC = b"\x89MCAP0\r\n"
 _LEVEL = 1
@@ -114,9 +116,9 @@ class Index:
 class Container:
     """Writes an MCAP file in chunks. After each the file ends as a file should, indexes and all.
 
-    A chunk goes to the operating system together with the file's new end in one call, over the old end: what
-    has been handed over survives the program. A kill within that call, which takes some ten microseconds,
-    leaves a last chunk cut short; :func:`~wigwag.record.repair.repair` takes it off. Not thread-safe.
+    A chunk and the file's new end are handed to a process of its own as one write over the old end
+    (:mod:`~wigwag.record.scribe`): if this program is killed, what was handed over is still written whole.
+    The file is locked for as long as it is written. Not thread-safe.
 
     Args:
         path: The file; it must not exist yet.
@@ -134,11 +136,14 @@ class Container:
         self._messages: dict[int, list[tuple[int, int]]] = {}
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o644)
+            file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o644)
         except OSError as error:
             if path.exists():
                 raise InputError(f"{path}: there is a file already. Name another, or move it away.") from None
             raise InputError(f"{path}: cannot be written ({error.strerror}).") from error
+        fcntl.flock(file, fcntl.LOCK_EX)  # the scribe's too: it holds as long as the scribe lives
+        self._scribe: Scribe | None = Scribe(file)
+        os.close(file)
         self._end = 0
         self._append(MAGIC + record(self._records.Header("", "wigwag")))
 
@@ -213,20 +218,18 @@ class Container:
 
     def close(self) -> None:
         """Write what is pending, and close the file. Closing twice does nothing."""
-        if self._file < 0:
+        if self._scribe is None:
             return
         try:
             self.flush()
         finally:
-            os.close(self._file)
-            self._file = -1
+            scribe, self._scribe = self._scribe, None
+            scribe.close()
 
     def _append(self, data: bytes) -> None:
         """Write over the old end; the new one lies behind it."""
-        whole = data + self.index.summary(self._end + len(data))
-        done = 0
-        while done < len(whole):
-            done += os.pwrite(self._file, whole[done:], self._end + done)
+        if self._scribe is not None:
+            self._scribe.write(self._end, data + self.index.summary(self._end + len(data)))
         self._end += len(data)
 
 

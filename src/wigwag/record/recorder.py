@@ -45,11 +45,11 @@ from wigwag.record.turns import (
     Turn,
 )  # fmt: skip
 
-_CHUNK_NS = 450_000_000
+_CHUNK_NS = 400_000_000
 """A chunk holds this much of a flight at most: what a kill takes away."""
 _CHUNK_BYTES = 8_000_000
-_WAITING = 12
-"""Turns that may wait to be written, 0.4 s of them; then pictures are left out, or the loop waits."""
+_WAITING = 9
+"""Turns that may wait to be written, 0.3 s of them; then pictures are left out, or the loop waits."""
 _BITS_A_PIXEL = 0.5
 """JPEG's size that the quality is kept to: 19 kB at 640x480, 350 MB in ten minutes at 30 Hz."""
 _QUALITIES = (25, 85)

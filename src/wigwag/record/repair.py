@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import io
 import os
 import zlib
@@ -108,7 +109,7 @@ def repair(path: Path) -> Repaired:
 
     Raises:
         DataError: If the file cannot be read or is no MCAP file.
-        InputError: If it cannot be written.
+        InputError: If it cannot be written, or still is being written.
     """
     index, end, last = _index(path)
     messages = sum(index.counts.values())
@@ -121,12 +122,26 @@ def repair(path: Path) -> Repaired:
         end, added = last
     try:
         with path.open("r+b") as file:
+            _lock(file.fileno(), path)
             file.seek(end)
             file.write(added + index.summary(end + len(added)))
             file.truncate()
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror}).") from error
     return Repaired(False, len(index.chunks), messages, max(size - end - len(added), 0))
+
+
+def _lock(file: int, path: Path) -> None:
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        raise InputError(f"{path}: is being written; wait until the flight is over.") from error
+
+
+def wait_until_written(path: Path) -> None:
+    """Wait until nobody writes to a file any more, such as the rest of a flight that was killed."""
+    with path.open("rb") as file:
+        fcntl.flock(file.fileno(), fcntl.LOCK_SH)
 
 
 def _index(path: Path) -> tuple[Index, int, tuple[int, bytes] | None]:
@@ -230,4 +245,4 @@ def _messages(found: Found) -> dict[int, list[tuple[int, int]]]:
     return result
 
 
-__all__ = ["Found", "Repaired", "is_whole", "members", "repair", "scan", "unpacked"]
+__all__ = ["Found", "Repaired", "is_whole", "members", "repair", "scan", "unpacked", "wait_until_written"]
