@@ -99,7 +99,7 @@ class Recorder:
         self._mount = pilot.config.mount
         self._waits: queue.Queue[_Item | None] = queue.Queue(_WAITING if patient else 0)
         self._patient = patient
-        self._number, self._quality = 0, 60
+        self._number, self._quality = 0, 50
         self._chunk_ns: int | None = None
         self._lens: Intrinsics | None = None
         self._shown = False
