@@ -48,7 +48,6 @@ def test_another_model_is_compared(recording: Path, capsys: pytest.CaptureFixtur
     ("words", "says"),
     [
         (["replay", "nowhere.mcap"], "cannot be read"),
-        (["replay", "{}", "--from", "dreams"], "--from must be poses or frames"),
         (["replay", "{}", "--from", "frames"], "holds no pictures that wigwag found poses in"),
         (["replay", "{}", "--model", "nowhere.wigwag"], "there is no such model file"),
         (["flight", "info", "nowhere.mcap"], "cannot be read"),
@@ -59,6 +58,13 @@ def test_wrong_input_is_told(
 ) -> None:
     assert run([word.format(recording) for word in words]) == 2
     assert says in " ".join(capsys.readouterr().err.split())
+
+
+def test_there_are_two_things_to_decide_from(recording: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as caught:
+        run(["replay", str(recording), "--from", "dreams"])
+    assert caught.value.code == 2
+    assert "poses" in capsys.readouterr().err
 
 
 def test_a_flight_is_told_about_and_mended(recording: Path, capsys: pytest.CaptureFixture[str]) -> None:

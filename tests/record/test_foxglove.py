@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from foxglove_schemas_protobuf.FrameTransforms_pb2 import FrameTransforms
+from foxglove_schemas_protobuf.ImageAnnotations_pb2 import ImageAnnotations
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
 from google.protobuf.descriptor_pool import DescriptorPool
 from hypothesis import given
@@ -16,10 +17,12 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from tests.record.flights import record
+from wigwag.camera.frame import Intrinsics
 from wigwag.fly.operator import Mount, rotation
 from wigwag.fly.values import VehicleState
 from wigwag.record import foxglove
 from wigwag.record.turns import FOXGLOVE_CHANNELS
+from wigwag.skeleton import BONES, Pose
 
 ANGLES = st.floats(-1.2, 1.2)
 
@@ -43,6 +46,18 @@ def test_transforms_are_those_that_the_pilot_flies_by(
     expected = state.position_m + rotation(state) @ mount.to_body(point)
     np.testing.assert_allclose(placed(body, placed(camera, point)), expected, atol=1e-9)
     assert (body.parent_frame_id, camera.parent_frame_id) == ("world", body.child_frame_id)
+
+
+def test_bones_lie_over_the_picture_where_the_lens_sees_them() -> None:
+    joints = np.random.default_rng(0).uniform(-1, 1, (13, 3)) + np.array([0, 0, 4.0])
+    pose, lens = Pose(joints, np.ones(13), 1_500_000_000), Intrinsics()
+    made = ImageAnnotations.FromString(foxglove.overlay(pose, lens, 7))
+    points = np.array([[p.x, p.y] for p in made.points[0].points])
+    np.testing.assert_allclose(points, lens.project(joints)[np.array(BONES).ravel()])
+    assert len(made.points[0].outline_colors) == 14 and made.timestamp.nanos == 500_000_000
+    behind = Pose(joints - np.array([0, 0, 9.0]), np.ones(13), 5)
+    for nobody in (None, behind):
+        assert not ImageAnnotations.FromString(foxglove.overlay(nobody, lens, 7)).points
 
 
 @pytest.mark.parametrize("name", sorted(FOXGLOVE_CHANNELS.values()))

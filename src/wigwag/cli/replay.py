@@ -7,7 +7,7 @@ import tempfile
 import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
@@ -37,7 +37,7 @@ class ReplayCommand:
     """The .mcap file; one that was cut short is read as far as it goes."""
     model: Path | None = None
     """What is heard with; by default what was heard with then."""
-    source: Annotated[str, tyro.conf.arg(name="from")] = "poses"
+    source: Annotated[Literal["poses", "frames"], tyro.conf.arg(name="from")] = "poses"
     """What is decided from: poses, as they were measured; or frames, for flights recorded with
     --record-depth. Pictures kept as JPEG lose detail: only --record-pictures png gives the same poses."""
     models_dir: tyro.conf.Suppress[Path | None] = None
@@ -53,15 +53,12 @@ class ReplayCommand:
         from wigwag.record.replay import Comparison, Replay
         from wigwag.stream.listener import listening
 
-        if self.source not in ("poses", "frames"):
-            raise InputError(f"--from must be poses or frames, but got {self.source!r}.")
         console, compared = Console(), Comparison()
         with threadpool_limits(1):
             flight = Flight.open(self.flight)
             taught = taught_in(flight, self.model)
             listener = None if taught is None else listening(taught, flight.config.spot)
-            material = "frames" if self.source == "frames" else "poses"
-            replay = Replay(flight, listener, material, models_dir=self.models_dir)  # type: ignore[arg-type]
+            replay = Replay(flight, listener, self.source, models_dir=self.models_dir)
             began = time.perf_counter()
             with console.status("deciding again") as status:
                 for then, now in replay:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Sequence
 from functools import cache
 from typing import Any
@@ -36,16 +35,17 @@ def message(name: str) -> Any:
 def protobuf_schema(name: str) -> tuple[str, str, bytes]:
     """Return name, encoding and text of a message's schema: all files that describe it."""
     files = load("google.protobuf.descriptor_pb2", "record", "A flight's recording").FileDescriptorSet()
-    waiting, known = deque([message(name).DESCRIPTOR.file]), set()
-    found = []
-    while waiting:
-        file = waiting.popleft()
+    known = set()
+
+    def add(file: Any) -> None:
+        """Add a file after all that it builds upon: readers take them in order."""
         if file.name not in known:
             known.add(file.name)
-            found.append(file)
-            waiting.extend(file.dependencies)
-    for file in reversed(found):
-        file.CopyToProto(files.file.add())
+            for other in file.dependencies:
+                add(other)
+            file.CopyToProto(files.file.add())
+
+    add(message(name).DESCRIPTOR.file)
     return f"foxglove.{name}", "protobuf", bytes(files.SerializeToString(deterministic=True))
 
 
@@ -125,6 +125,22 @@ def cloud(pose: Pose | None, stamp_ns: int) -> bytes:
     return bytes(_stamped(made, pose.stamp_ns).SerializeToString())
 
 
+def overlay(pose: Pose | None, lens: Intrinsics, stamp_ns: int) -> bytes:
+    """Return the skeleton as lines over the picture; without a pose, no lines."""
+    made = message("ImageAnnotations")()
+    if pose is None or pose.joints[:, 2].min() <= 0:
+        return bytes(_stamped(made, stamp_ns).SerializeToString())
+    _stamped(made, pose.stamp_ns)
+    lines = _stamped(made.points.add(type=4, thickness=2.0), pose.stamp_ns)  # a list of pairs
+    pixels = lens.project(pose.joints)
+    for a, b in BONES:
+        r, g, blue = _colour(a, b)
+        lines.outline_colors.add(r=r, g=g, b=blue, a=1.0)
+        for end in (a, b):
+            lines.points.add(x=float(pixels[end, 0]), y=float(pixels[end, 1]))
+    return bytes(made.SerializeToString())
+
+
 def _colour(a: int, b: int) -> tuple[float, float, float]:
     sides = {LANDMARKS[end].partition("_")[0] for end in (a, b)}
     return _LEFT if sides == {"left"} else _RIGHT if sides == {"right"} else _MIDDLE
@@ -189,6 +205,6 @@ def log(stamp_ns: int, text: str, alarming: bool = False) -> bytes:
 
 
 __all__ = [
-    "calibration", "cloud", "compressed_image", "depth_image", "log", "message", "protobuf_schema",
-    "skeleton", "transforms",
+    "calibration", "cloud", "compressed_image", "depth_image", "log", "message", "overlay",
+    "protobuf_schema", "skeleton", "transforms",
 ]  # fmt: skip

@@ -21,6 +21,7 @@ from wigwag.record import foxglove
 from wigwag.record.codec import plain, schema, text
 from wigwag.record.container import Container
 from wigwag.record.turns import (
+    ANNOTATIONS,
     CALIBRATION,
     CLOUD,
     DEPTH,
@@ -235,6 +236,8 @@ class Recorder:
         if step.pose is not None or self._shown:
             made.append((SKELETON, foxglove.skeleton(step.pose, now_ns)))
             made.append((CLOUD, foxglove.cloud(step.pose, now_ns)))
+            if self._lens is not None:
+                made.append((ANNOTATIONS, foxglove.overlay(step.pose, self._lens, now_ns)))
         self._shown = step.pose is not None
         gesture, verdict = step.gesture, step.verdict
         if gesture is not None:

@@ -22,7 +22,9 @@ TURN, POSE, STATE, SETPOINT, GESTURE = (
     "/wigwag/turn", "/operator/pose", "/vehicle/state", "/setpoint", "/gesture",
 )  # fmt: skip
 TRANSITION, NOTE = "/supervisor/transition", "/wigwag/note"
-IMAGE, DEPTH, CALIBRATION = "/camera/image", "/camera/depth", "/camera/calibration"
+IMAGE, DEPTH, CALIBRATION, ANNOTATIONS = (
+    "/camera/image", "/camera/depth", "/camera/calibration", "/camera/annotations",
+)  # fmt: skip
 SKELETON, CLOUD, TRANSFORMS, LOG = "/operator/skeleton", "/operator/points", "/tf", "/log"
 
 Pictures = Literal["none", "jpeg", "png"]
@@ -94,7 +96,8 @@ JSON_CHANNELS: dict[str, type] = {
 """Channels that hold wigwag's own values, to the last bit."""
 
 FOXGLOVE_CHANNELS: dict[str, str] = {
-    IMAGE: "CompressedImage", DEPTH: "RawImage", CALIBRATION: "CameraCalibration", SKELETON: "SceneUpdate",
+    IMAGE: "CompressedImage", DEPTH: "RawImage", CALIBRATION: "CameraCalibration",
+    ANNOTATIONS: "ImageAnnotations", SKELETON: "SceneUpdate",
     CLOUD: "PointCloud",    TRANSFORMS: "FrameTransforms", LOG: "Log",
 }  # fmt: skip
 """Channels for whoever looks, in Foxglove's schemas."""
