@@ -47,11 +47,11 @@ def test_decided_again_from_poses_and_from_pictures_that_lost_nothing(tmp_path: 
 
 
 def test_without_depth_frames_are_not_enough(tmp_path: Path, estimator) -> None:  # type: ignore[no-untyped-def]
-    path = tmp_path / "flight.mcap"
-    demo = Demo(out=tmp_path, seed=3, record=path)
+    demo = Demo(out=tmp_path, seed=3, record=tmp_path / "flight.mcap")
     session = demo._procedural_session(estimator)
     session.script = replace(session.script, duration_s=0.2)
-    fly(session, estimator, Console(quiet=True), None, demo.recorder(session, b""))
+    fly(session, estimator, Console(quiet=True), None, demo.recorder(session, b"", "s2"))
+    path = tmp_path / "flight-s2.mcap"
     with pytest.raises(InputError, match=r"holds pictures, but no depth.*--record-depth"):
         Replay(Flight.open(path), material="frames")
 
