@@ -60,7 +60,7 @@ class Fly:
     record: Path | None = None
     """MCAP file for everything that is seen, decided and sent; see docs/flights.md. Needs wigwag[record]."""
     record_pictures: Pictures = "jpeg"
-    """What is kept of the colour pictures: none, jpeg (at most 350 MB in ten minutes), or png, which loses
+    """What is kept of the colour pictures: none, jpeg (below 400 MB in ten minutes), or png, which loses
     nothing and is thirty times as large."""
     record_depth: bool = False
     """Keep the depth too, as it is."""

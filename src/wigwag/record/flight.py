@@ -46,10 +46,7 @@ _Messages = dict[str, bytes]
 class Flight:
     """A recorded flight. Reading needs no index, so one that was cut short reads as far as it goes.
 
-    Example:
-        >>> from wigwag.record.flight import Flight  # doctest: +SKIP
-        >>> flight = Flight.open("flight.mcap")  # doctest: +SKIP
-        >>> [turn.gesture.label for turn in flight.turns() if turn.gesture]  # doctest: +SKIP
+    Example: ``[turn.gesture for turn in Flight.open("flight.mcap").turns() if turn.gesture]``.
     """
 
     path: Path

@@ -52,7 +52,7 @@ _CHUNK_BYTES = 8_000_000
 _WAITING = 9
 """Turns that may wait to be written, 0.3 s of them; then pictures are left out, or the loop waits."""
 _BITS_A_PIXEL = 0.5
-"""JPEG's size that the quality is kept to: 19 kB at 640x480, 350 MB in ten minutes at 30 Hz."""
+"""JPEG's size that the quality is kept to: 19 kB at 640x480, 346 MB in ten minutes at 30 Hz."""
 _QUALITIES = (25, 85)
 
 _Item = tuple[int, Frame | None, Turn, Step]
