@@ -20,8 +20,10 @@ from wigwag.evaluate.lessons import LessonConfig, teach_procedural
 from wigwag.evaluate.mission import Finding, Mission, MissionConfig
 from wigwag.fly.values import Command, VehicleState
 from wigwag.gesture import Gesture
-from wigwag.journal import Journal, decide_again
 from wigwag.pilot import Pilot
+from wigwag.record.flight import Flight
+from wigwag.record.recorder import Recorder
+from wigwag.record.replay import Comparison, Replay
 from wigwag.sim.autopilot_config import FakeConfig
 from wigwag.sim.autopilots import FakeArduPilot, FakePx4
 from wigwag.sim.pointmass import PointMass
@@ -101,10 +103,11 @@ def test_a_whole_mission_by_gestures(make, taught, tmp_path: Path) -> None:
         def truth() -> VehicleState:
             return replace(fake.airframe.state, stamp_ns=vehicle.now_ns)
 
-        path = tmp_path / "flight.jsonl"
+        path = tmp_path / "flight.mcap"
         mission = fly_mission(
             console, vehicle, taught, Fly(altitude=3.0).settings(), MissionConfig(), seed=2, wait=wait,
-            now_ns=lambda: vehicle.now_ns, truth=truth, journal=Journal(path),
+            now_ns=lambda: vehicle.now_ns, truth=truth,
+            record=lambda pilot: Recorder(path, pilot, pictures="none", patient=True),
         )  # fmt: skip
         told = report(mission, console)
         assert mission.good, told
@@ -117,7 +120,10 @@ def test_a_whole_mission_by_gestures(make, taught, tmp_path: Path) -> None:
         ], told  # fmt: skip
         assert vehicle.up.packets > 3000 and vehicle.down.packets > 10_000  # type: ignore[attr-defined]
         assert len(fake.received) > 2500, "set-points, thirty a second"
-    assert all(then == now and sent == again for then, sent, now, again in decide_again(path))
+    compared = Comparison()
+    for then, now in Replay(Flight.open(path)):
+        compared.note(then, now)
+    assert compared.same and compared.turns > 2500
 
 
 class Deaf:
@@ -155,11 +161,13 @@ def test_the_command_tells_what_was_found(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     fake, at = FakePx4(), "wigwag.cli.benchmark_mission.fly_mission"
-    monkeypatch.setattr("wigwag.cli.fly.Fly.taught", lambda self, stack: (Deaf(), ()))
+    monkeypatch.setattr("wigwag.cli.fly.Fly.model_file", lambda self, stack: Path("none"))
+    monkeypatch.setattr("wigwag.stream.models.load_model", lambda path: (Deaf(), ()))
+    monkeypatch.setattr("wigwag.stream.models.warm_up", lambda model: None)
     with over_udp(fake) as vehicle:
         monkeypatch.setattr("wigwag.drones.open_vehicle", lambda address: vehicle)
 
-        def flown(console, vehicle, taught, settings, plan, *, seed, wait, journal) -> Mission:
+        def flown(console, vehicle, taught, settings, plan, *, seed, wait, record) -> Mission:
             assert (plan.walk_s, seed, settings.goal.altitude_m) == (5.0, 3, 2.5)
             pilot = Pilot(lambda frame: None, taught[0], vehicle)
             mission = Mission(None, pilot, lambda: vehicle.state, plan)  # type: ignore[arg-type]

@@ -20,6 +20,7 @@ from wigwag.cli.benchmark_mission import MissionBenchmark
 from wigwag.cli.benchmark_monocular import MonocularBenchmark
 from wigwag.cli.benchmark_operator import OperatorBenchmark
 from wigwag.cli.benchmark_pose import PoseBenchmark
+from wigwag.cli.benchmark_record import RecordBenchmark
 from wigwag.cli.benchmark_reject import RejectBenchmark
 from wigwag.cli.benchmark_smooth import SmoothBenchmark
 from wigwag.cli.benchmark_stream import StreamBenchmark
@@ -51,6 +52,7 @@ class Benchmark:
             | Annotated[MissionBenchmark, tyro.conf.subcommand("mission")]
             | Annotated[OperatorBenchmark, tyro.conf.subcommand("operator")]
             | Annotated[TransferBenchmark, tyro.conf.subcommand("transfer")]
+            | Annotated[RecordBenchmark, tyro.conf.subcommand("record")]
             | Annotated[StreamBenchmark, tyro.conf.subcommand("stream")]
             | Annotated[TeachBenchmark, tyro.conf.subcommand("teach")]
         ]

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     from wigwag.evaluate.mission import Mission, MissionConfig
     from wigwag.fly.values import VehicleState
-    from wigwag.journal import Journal
-    from wigwag.pilot import PilotConfig
+    from wigwag.pilot import Pilot, PilotConfig
+    from wigwag.record.recorder import Recorder
     from wigwag.sim.stage import Stage
     from wigwag.stream.models import Taught
     from wigwag.vehicles.protocol import Vehicle
@@ -50,8 +50,8 @@ class MissionBenchmark:
     """Chooses the person and all noise."""
     json: Path | None = None
     """File for the records, one a finding."""
-    log: Path | None = None
-    """File for everything that is seen, decided and sent, a line of JSON a turn."""
+    record: Path | None = None
+    """MCAP file for everything that is seen, decided and sent; see docs/flights.md. Needs wigwag[record]."""
 
     def run(self) -> int:
         """Fly, print what was found, write the records."""
@@ -61,29 +61,43 @@ class MissionBenchmark:
         from wigwag.drones import open_vehicle
         from wigwag.errors import InputError
         from wigwag.evaluate.mission import MissionConfig
-        from wigwag.journal import Journal
+        from wigwag.record.container import check_target
+        from wigwag.stream.models import load_model, warm_up
 
         if not 3 <= self.seconds <= 3600:
             raise InputError(f"--seconds must be 3 to 3600, but got {self.seconds:g}.")
         fly, console = Fly(model=self.model, altitude=self.height), Console()
         settings = fly.settings()
+        if self.record is not None:
+            check_target(self.record)
         with threadpool_limits(1), ExitStack() as stack:
             vehicle = open_vehicle(self.vehicle)
             with console.status("reading what was taught"):
-                taught = fly.taught(stack)
+                file = fly.model_file(stack)
+                taught = load_model(file)
+                warm_up(taught[0])
             with console.status("connecting"):
                 vehicle.connect()
                 stack.enter_context(closing(vehicle))
                 _await_health(vehicle)
-            journal = None if self.log is None else Journal(self.log, vehicle=self.vehicle)
             plan, pause = MissionConfig(walk_s=self.seconds), threading.Event()
             mission = fly_mission(
-                console, vehicle, taught, settings, plan, seed=self.seed, wait=pause.wait, journal=journal
-            )
+                console, vehicle, taught, settings, plan, seed=self.seed, wait=pause.wait,
+                record=lambda pilot: self._recorder(pilot, file),
+            )  # fmt: skip
         if not mission.findings:
             return 1
         self._tell(console, mission)
         return 0 if mission.good else 1
+
+    def _recorder(self, pilot: Pilot, model: Path) -> Recorder | None:
+        if self.record is None:
+            return None
+        from wigwag.record.recorder import Recorder
+
+        return Recorder(
+            self.record, pilot, pictures="none", model=model.read_bytes(), facts={"vehicle": self.vehicle}
+        )
 
     def _tell(self, console: Console, mission: Mission) -> None:
         from rich.box import SIMPLE_HEAD
@@ -108,7 +122,7 @@ def fly_mission(
     console: Console, vehicle: Vehicle, taught: tuple[Taught, tuple[str, ...]], settings: PilotConfig,
     plan: MissionConfig, *, seed: int = 1, wait: Callable[[float], object],
     now_ns: Callable[[], int] = time.monotonic_ns, truth: Callable[[], VehicleState] | None = None,
-    journal: Journal | None = None,
+    record: Callable[[Pilot], Recorder | None] = lambda pilot: None,
 ) -> Mission:  # fmt: skip
     """Fly a mission by the loop of ``wigwag fly``, its checklist included.
 
@@ -122,7 +136,7 @@ def fly_mission(
         wait: Lets so many seconds pass.
         now_ns: Monotonic nanoseconds, the clock of all stamps.
         truth: Where the vehicle truly is, if it is known; by default what it says of itself.
-        journal: Where everything is written down.
+        record: Makes what writes everything down, if anything does.
 
     Returns:
         The mission; without findings if the vehicle was not in order, and nothing flew.
@@ -143,11 +157,9 @@ def fly_mission(
     with _StageCamera(stage) as camera:
         rig = Rig(camera, vehicle, now_ns, lambda: mission.over, live=False)
         if not in_order(console, rig, settings.supervisor, labels, {c.value: c for c in Command}):
-            if journal is not None:
-                journal.close()
             return mission
         stage.turn = mission.turn
-        Flying(console, rig, pilot, journal, land_on_exit=True).fly()
+        Flying(console, rig, pilot, record(pilot), land_on_exit=True).fly()
     return mission
 
 

@@ -13,10 +13,11 @@ import tyro
 
 from wigwag.errors import InputError
 from wigwag.fly.values import Command
+from wigwag.record.turns import Pictures
 
 if TYPE_CHECKING:
-    from wigwag.pilot import PilotConfig, PoseSource
-    from wigwag.stream.models import Taught
+    from wigwag.pilot import Pilot, PilotConfig, PoseSource
+    from wigwag.record.recorder import Recorder
 
 
 @dataclass(frozen=True)
@@ -55,8 +56,13 @@ class Fly:
     """Land on Ctrl-C and at the end, rather than hold."""
     duration_s: float | None = None
     """End after so many seconds."""
-    log: Path | None = None
-    """File for everything that is seen, decided and sent, a line of JSON a turn."""
+    record: Path | None = None
+    """MCAP file for everything that is seen, decided and sent; see docs/flights.md. Needs wigwag[record]."""
+    record_pictures: Pictures = "jpeg"
+    """What is kept of the colour pictures: none, jpeg (below 400 MB in ten minutes), or png, which loses
+    nothing and is thirty times as large."""
+    record_depth: bool = False
+    """Keep the depth too, as it is."""
     models_dir: tyro.conf.Suppress[Path | None] = None
 
     def run(self) -> int:
@@ -68,18 +74,23 @@ class Fly:
         from wigwag.cli.flying import Flying
         from wigwag.cli.preflight import in_order
         from wigwag.fly.situation import Mode
-        from wigwag.journal import Journal
         from wigwag.pilot import Pilot
+        from wigwag.record.container import check_target
         from wigwag.rig import open_rig
+        from wigwag.stream.models import load_model, warm_up
         from wigwag.vehicles.dry import DryVehicle
 
         console = Console()
         config, commands = self.settings(), self.mapping()
         if parse_camera(self.camera).kind != "sim" and self.model is None:
             raise InputError("--model is missing: a real operator's gestures have to be taught first.")
+        if self.record is not None:
+            check_target(self.record)
         with threadpool_limits(1), ExitStack() as stack:
             with console.status("reading what was taught"):
-                model, labels = self.taught(stack)
+                file = self.model_file(stack)
+                model, labels = load_model(file)
+                warm_up(model)
             pose = self._pose()
             with console.status("opening camera and vehicle"):
                 rig = stack.enter_context(open_rig(self.camera, self.vehicle, config.mount))
@@ -89,9 +100,8 @@ class Fly:
                 pose, model, DryVehicle(rig.vehicle) if self.dry_run else rig.vehicle, commands=commands,
                 config=config, in_the_air=Mode.HOLDING, time_ns=rig.now_ns if rig.live else None,
             )  # fmt: skip
-            facts = {"camera": self.camera, "vehicle": self.vehicle, "dry_run": self.dry_run}
-            journal = None if self.log is None else Journal(self.log, **facts)
-            return Flying(console, rig, pilot, journal, self.land_on_exit, self.duration_s).fly()
+            recorder = self._recorder(pilot, file, patient=not rig.live)
+            return Flying(console, rig, pilot, recorder, self.land_on_exit, self.duration_s).fly()
 
     def settings(self) -> PilotConfig:
         """Return all settings of the flight.
@@ -143,19 +153,29 @@ class Fly:
             found[label] = Command(name)
         return found
 
-    def taught(self, stack: ExitStack) -> tuple[Taught, tuple[str, ...]]:
-        """Return the model and the labels that it speaks; without a file the demo's gestures are taught."""
-        from wigwag.stream.models import load_model, warm_up
+    def model_file(self, stack: ExitStack) -> Path:
+        """Return the file of what was taught; without one the demo's gestures are taught."""
+        if self.model is not None:
+            return self.model
+        from wigwag.evaluate.lessons import teach_procedural
 
-        file = self.model
-        if file is None:
-            from wigwag.evaluate.lessons import teach_procedural
+        file = Path(stack.enter_context(tempfile.TemporaryDirectory())) / "demo.wigwag"
+        teach_procedural(file)
+        return file
 
-            file = Path(stack.enter_context(tempfile.TemporaryDirectory())) / "demo.wigwag"
-            teach_procedural(file)
-        model, labels = load_model(file)
-        warm_up(model)
-        return model, labels
+    def _recorder(self, pilot: Pilot, model: Path, patient: bool) -> Recorder | None:
+        if self.record is None:
+            return None
+        from wigwag.camera.address import hide_password
+        from wigwag.record.recorder import Recorder
+
+        facts = {
+            "camera": hide_password(self.camera), "vehicle": self.vehicle, "dry_run": str(self.dry_run)
+        }  # fmt: skip
+        return Recorder(
+            self.record, pilot, pictures=self.record_pictures, depth=self.record_depth,
+            model=model.read_bytes(), facts=facts, patient=patient,
+        )  # fmt: skip
 
     def _pose(self) -> PoseSource:
         from wigwag.pose.blazepose import BlazePoseConfig

@@ -255,6 +255,18 @@ class KernelRecognizer(Classifier):
         self._check_fitted()
         return self._similar
 
+    @property
+    def weights(self) -> Float[np.ndarray, "features classes+1"]:
+        """What each similarity gives to each gesture's score, and to that of 'no gesture'."""
+        self._check_fitted()
+        return self._weights
+
+    @property
+    def accept_probability(self) -> float:
+        """How sure ``recognise`` has to be."""
+        self._check_fitted()
+        return float(self.doubt_.acceptance.probability(np.array([self.accept_threshold_]))[0])
+
     def _scores(self, clips: Sequence[Clip]) -> Float[np.ndarray, "clips classes+1"]:
         self._check_fitted()
         check_clips(clips)
