@@ -79,8 +79,7 @@ def test_without_pictures_of_now_it_stops_within_a_second_and_goes_on_with_them(
 ) -> None:
     chain = Chain()
     assert set(chain.turns(1.5, lambda frame: frame)[-20:]) == {Mode.FOLLOWING}
-    assert chain.step.permit.setpoint is not None
-    assert np.linalg.norm(chain.step.permit.setpoint.velocity_m_s) > 0.1, "it moves"
+    assert chain.step.permit.setpoint is not None and chain.step.permit.setpoint.velocity_m_s[0] > 0.1
     modes = chain.turns(1.2, fault)
     stopped_s = modes.index(Mode.LOST_PERSON) / 30
     assert stopped_s < 0.7
