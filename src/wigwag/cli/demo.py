@@ -108,7 +108,7 @@ class Demo:
         summary["rss_mb"] = peak_mb()
         summary["wall_s"] = round(time.monotonic() - began, 1)
         (self.out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
-        account(console, summary, self.out)
+        account(console, summary, self.out, filmed=self.film)
         return 0
 
     def _fly(self, console: Console) -> dict[str, Any]:
@@ -324,7 +324,7 @@ def write(demo: Demo, session: Session, summary: dict[str, Any], stills: list[St
         pool.submit(write_report, demo.out / "report.html", summary, session.log, stills, shown).result()
 
 
-def account(console: Console, summary: dict[str, Any], out: Path) -> None:
+def account(console: Console, summary: dict[str, Any], out: Path, *, filmed: bool = True) -> None:
     """Print the short account."""
     gestures, follow = summary["gestures"], summary["follow"]
     console.print(
@@ -348,6 +348,5 @@ def account(console: Console, summary: dict[str, Any], out: Path) -> None:
             f"Bearing error {bearing['mean']:.2f} degrees mean, {bearing['max']:.1f} at worst; "
             f"distance error {distance['mean']:.2f} m mean, {distance['max']:.2f} at worst."
         )
-    console.print(
-        f"Look at [bold]{out / 'report.html'}[/] and {out / 'demo.mp4'}; figures: {out / 'summary.json'}"
-    )
+    film = f" and {out / 'demo.mp4'}" if filmed else ""
+    console.print(f"Look at [bold]{out / 'report.html'}[/]{film}; figures: {out / 'summary.json'}")
