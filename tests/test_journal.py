@@ -55,6 +55,22 @@ def test_a_flight_is_decided_again_alike(tmp_path: Path) -> None:
     assert len(lines[1]["state"]["position_m"]) == 3
 
 
+def test_a_limit_that_was_tightened_in_flight_is_tightened_again(tmp_path: Path) -> None:
+    path = tmp_path / "flight.jsonl"
+    journal, flown = Journal(path), flight()
+    for turn in range(30 * 12):
+        if turn == 220:
+            assert flown.step is not None
+            assert flown.pilot.tighten(flown.step.situation, "max_speed_m_s", 0.2) == ""
+            journal.note(limit="max_speed_m_s", value=0.2)
+        commands = {45: Command.TAKE_OFF, 240: Command.LEFT}
+        journal.turn(flown.turn(commands.get(turn)))
+    journal.close()
+    turns = list(decide_again(path))
+    assert all(then == now and sent == again for then, sent, now, again in turns)
+    assert any("speed" in sent.changed for _, sent, _, _ in turns[240:]), "the limit was felt"
+
+
 def test_what_was_flown_is_there_after_a_kill(tmp_path: Path) -> None:
     path = tmp_path / "killed.jsonl"
     program = f"""

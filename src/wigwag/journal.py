@@ -17,6 +17,7 @@ from wigwag.errors import DataError, InputError
 from wigwag.fly.limits import SupervisorConfig
 from wigwag.fly.situation import Action, Craft, Mode, Permit, Situation, Verdict
 from wigwag.fly.supervisor import Supervisor
+from wigwag.fly.tighten import with_setting
 from wigwag.fly.values import Command, Setpoint
 from wigwag.pilot import Step
 
@@ -115,7 +116,8 @@ def decide_again(
 
     Args:
         path: The journal.
-        config: Limits; other ones show what they would have changed.
+        config: Limits that the flight began with; other ones show what they would have changed. What was
+            set anew in flight (a note of ``limit`` and ``value``) is set again.
         mode: The one in which the flight began.
 
     Yields:
@@ -126,12 +128,15 @@ def decide_again(
     """
     supervisor = Supervisor(config, mode)
     for line in read_journal(path):
-        if "situation" not in line:
-            continue
         try:
+            if "limit" in line.get("note", ()):
+                limit = line["note"]
+                supervisor.config = with_setting(supervisor.config, limit["limit"], float(limit["value"]))
+            if "situation" not in line:
+                continue
             situation, wish = _situation(line["situation"]), _setpoint(line["wish"])
             then = _verdict(line["verdict"]), _permit(line["permit"])
-        except (KeyError, TypeError, ValueError) as error:
+        except (KeyError, TypeError, ValueError, InputError) as error:
             raise DataError(f"{path}: a turn does not hold what it should ({error}).") from error
         verdict = supervisor.step(situation)
         yield *then, verdict, supervisor.permit(situation, wish)
