@@ -11,6 +11,7 @@ from rich.markup import escape
 
 from wigwag.cli.benchmark import Benchmark
 from wigwag.cli.clips import Clips
+from wigwag.cli.console import ConsoleCommand
 from wigwag.cli.demo import Demo
 from wigwag.cli.doctor import Doctor
 from wigwag.cli.fly import Fly
@@ -31,6 +32,7 @@ class Runnable(Protocol):
 Commands = (
     Annotated[Demo, tyro.conf.subcommand("demo")]
     | Annotated[Fly, tyro.conf.subcommand("fly")]
+    | Annotated[ConsoleCommand, tyro.conf.subcommand("console")]
     | Annotated[Benchmark, tyro.conf.subcommand("benchmark")]
     | Annotated[PoseCommand, tyro.conf.subcommand("pose")]
     | Annotated[Vocabulary, tyro.conf.subcommand("vocabulary")]

@@ -8,10 +8,11 @@ import resource
 import tempfile
 import time
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from wigwag.cli.looking import Looking
 from wigwag.errors import InputError
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from wigwag.evaluate.lessons import InStreams
     from wigwag.evaluate.session import Session
     from wigwag.pose.estimator import PoseEstimator
+    from wigwag.view.onlookers import Onlookers
     from wigwag.view.report import Still
 
 
@@ -56,6 +58,7 @@ class Demo:
     """The operator walks, turns and fidgets and commands nothing; the drone hovers from the beginning."""
     duration: float = 600.0
     """Seconds of that."""
+    looking: Looking = field(default_factory=Looking)
 
     def run(self) -> int:
         """Teach, fly, judge, report; return 0."""
@@ -74,22 +77,23 @@ class Demo:
         except OSError as error:
             raise InputError(f"--out {self.out}: cannot be made a folder ({error}). Name another.") from error
         console = Console()
-        with threadpool_limits(1):  # small matrices: more threads only wait for each other
-            summary = self._fly(console)
+        # Small matrices: more threads only wait for each other.
+        with threadpool_limits(1), self.looking.open(console) as onlookers:
+            summary = self._fly(console, onlookers)
         summary["rss_mb"] = peak_mb()
         summary["wall_s"] = round(time.monotonic() - began, 1)
         (self.out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
         account(console, summary, self.out)
         return 0
 
-    def _fly(self, console: Console) -> dict[str, Any]:
+    def _fly(self, console: Console, onlookers: Onlookers) -> dict[str, Any]:
         if self.motion == "utd-mhad":
             from wigwag.cli.demo_recorded import fly_recorded
 
-            return fly_recorded(self, console)
-        return self._fly_procedural(console)
+            return fly_recorded(self, console, onlookers)
+        return self._fly_procedural(console, onlookers)
 
-    def _fly_procedural(self, console: Console) -> dict[str, Any]:
+    def _fly_procedural(self, console: Console, onlookers: Onlookers) -> dict[str, Any]:
         from wigwag.evaluate.lessons import teach_procedural, warm_up
         from wigwag.stream.listener import listening
 
@@ -107,7 +111,8 @@ class Demo:
                     clips = taught.result()
             recogniser = load_recogniser(self.recognizer, model)
         session.pilot.spotter = listening(recogniser)
-        stills = fly(session, estimator, console, self.out / "demo.mp4" if self.film else None)
+        film = self.out / "demo.mp4" if self.film else None
+        stills = fly(session, estimator, console, film, onlookers)
         summary = account_of(session, self, {"clips_taught": clips})
         write(self, session, summary, stills)
         return summary
@@ -159,8 +164,19 @@ def load_recogniser(name: str, model: Path) -> InStreams:
     return IN_STREAMS[name].load(model)
 
 
-def fly(session: Session, estimator: PoseEstimator, console: Console, film: Path | None) -> list[Still]:
-    """Fly a session to its end; show progress, film it, and keep a still of each labelled gesture."""
+def fly(
+    session: Session, estimator: PoseEstimator, console: Console, film: Path | None,
+    onlookers: Onlookers | None = None,
+) -> list[Still]:  # fmt: skip
+    """Fly a session to its end; show progress, film it, and keep a still of each labelled gesture.
+
+    Args:
+        session: What is flown.
+        estimator: Its eyes.
+        console: Where progress is shown.
+        film: File for the film; ``None``: none is made.
+        onlookers: Whoever looks on, and may ask for something on the console's page.
+    """
     from contextlib import nullcontext
 
     from wigwag.view.cockpit import Cockpit
@@ -169,6 +185,9 @@ def fly(session: Session, estimator: PoseEstimator, console: Console, film: Path
 
     stills: list[Still] = []
     cockpit = Cockpit()
+    if onlookers is not None:
+        onlookers.begin(session.pilot, estimator, live=False)
+        session.asked = onlookers.asked
     frames = int(session.script.duration_s * session.world.config.rate_hz)
     with (
         _progress(console) as progress,
@@ -177,6 +196,8 @@ def fly(session: Session, estimator: PoseEstimator, console: Console, film: Path
         task = progress.add_task("flying", total=frames, gestures=0)
         for count, turn in enumerate(session.fly()):
             cockpit.note(turn)
+            if onlookers is not None:
+                onlookers.turn(turn.frame, turn.step)
             spoken = turn.step.gesture is not None and turn.step.gesture.label is not None
             if (recording is not None and count % 3 == 0) or spoken:
                 picture = cockpit.draw(turn, estimator.body)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import tempfile
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import tyro
 
+from wigwag.cli.looking import Looking
 from wigwag.errors import InputError
 from wigwag.fly.values import Command
 
@@ -58,6 +59,7 @@ class Fly:
     """End after so many seconds."""
     log: Path | None = None
     """File for everything that is seen, decided and sent, a line of JSON a turn."""
+    looking: Looking = field(default_factory=Looking)
     models_dir: tyro.conf.Suppress[Path | None] = None
 
     def run(self) -> int:
@@ -78,6 +80,7 @@ class Fly:
         if parse_camera(self.camera).kind != "sim" and self.model is None:
             raise InputError("--model is missing: a real operator's gestures have to be taught first.")
         with threadpool_limits(1), ExitStack() as stack:
+            onlookers = stack.enter_context(self.looking.open(console))
             with console.status("reading what was taught"):
                 model, labels = self._taught(stack)
             pose = self._pose()
@@ -91,7 +94,7 @@ class Fly:
             )  # fmt: skip
             facts = {"camera": self.camera, "vehicle": self.vehicle, "dry_run": self.dry_run}
             journal = None if self.log is None else Journal(self.log, **facts)
-            return Flying(console, rig, pilot, journal, self.land_on_exit, self.duration_s).fly()
+            return Flying(console, rig, pilot, journal, self.land_on_exit, self.duration_s, onlookers).fly()
 
     def settings(self) -> PilotConfig:
         """Return all settings of the flight.

@@ -1,0 +1,49 @@
+"""A place for one value: what comes later replaces it, and whoever puts it there never waits."""
+
+from __future__ import annotations
+
+import threading
+from typing import Generic, TypeVar
+
+Value = TypeVar("Value")
+
+
+class Slot(Generic[Value]):
+    """Holds the newest value until it is taken.
+
+    Example:
+        >>> slot = Slot()
+        >>> slot.put(1); slot.put(2)
+        >>> slot.take(), slot.replaced
+        (2, 1)
+    """
+
+    def __init__(self) -> None:
+        self._there = threading.Condition()
+        self._value: Value | None = None
+        self._closed = False
+        self.replaced = 0
+        """How many values nobody took."""
+
+    def put(self, value: Value) -> None:
+        """Leave a value."""
+        with self._there:
+            self.replaced += self._value is not None
+            self._value = value
+            self._there.notify()
+
+    def take(self) -> Value | None:
+        """Wait for a value and take it; ``None`` once the slot is closed."""
+        with self._there:
+            self._there.wait_for(lambda: self._closed or self._value is not None)
+            value, self._value = self._value, None
+            return None if self._closed else value
+
+    def close(self) -> None:
+        """Let whoever waits go."""
+        with self._there:
+            self._closed = True
+            self._there.notify_all()
+
+
+__all__ = ["Slot"]
