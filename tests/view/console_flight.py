@@ -44,9 +44,13 @@ class Teller:
         if self.link is not None:
             velocity = np.asarray(step.state.velocity_m_s, float)
             speed = float(np.hypot(velocity[0], velocity[1]))
-            row = {"wall_ns": time.monotonic_ns(), "now_s": now_s, "mode": mode.value, "speed": speed}
-            row |= {"row": step.verdict.row, "withheld": step.situation.withheld}
-            self.link.send(row | {"position": step.state.position_m.tolist()})
+            self.link.send(
+                {
+                    "wall_s": time.time(), "now_s": now_s, "mode": mode.value, "speed": speed,
+                    "row": step.verdict.row, "withheld": step.situation.withheld,
+                    "position": step.state.position_m.tolist(), "sent": step.permit.setpoint,
+                }
+            )  # fmt: skip
 
     def note(self, **what: Any) -> None:
         if self.link is not None:
