@@ -148,7 +148,7 @@ def test_limits_are_tightened_on_the_page_and_only_so() -> None:
 def test_without_the_token_a_browser_sees_nothing_and_commands_nothing() -> None:
     pytest.importorskip("viser", reason="needs viser: pip install 'wigwag[console]'")
     with chromium() as browser:
-        page = Console(ConsoleConfig(port=0, token="a long enough secret"))
+        page = Console(ConsoleConfig(port=0, token="a-long-enough-secret"))
         try:
             base = page.url.partition("?")[0]
             for wrong in ("", "?token=", "?token=a-wrong-secret-of-length"):

@@ -29,8 +29,8 @@ class Looking:
     console_at: str = "127.0.0.1:8080"
     """HOST:PORT of that page. Another address than this machine's own is served behind a token."""
     console_token: str | None = None
-    """What the page's address has to end with (?token=...), 12 characters or more. By default it is drawn
-    anew where one is needed, and printed."""
+    """What the page's address has to end with (?token=...): 12 or more letters and digits. By default it is
+    drawn anew where one is needed, and printed."""
 
     @contextmanager
     def open(self, console: Console, flies: bool = True) -> Iterator[Onlookers]:

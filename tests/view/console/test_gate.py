@@ -27,9 +27,11 @@ def test_an_open_address_needs_a_token(host: str) -> None:
     assert Gate(host, TOKEN)
 
 
-@pytest.mark.parametrize("token", ["", "short", "ünïcode-and-long-enough"])
+@pytest.mark.parametrize(
+    "token", ["", "short", "ünïcode-and-long-enough", "with spaces in it", "semi;colon;in;it"]
+)
 def test_a_token_is_a_secret(token: str) -> None:
-    with pytest.raises(InputError, match="12 or more characters"):
+    with pytest.raises(InputError, match="12 or more letters"):
         Gate("0.0.0.0", token)
 
 

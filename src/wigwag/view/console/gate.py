@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hmac
 import ipaddress
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from http import HTTPStatus
@@ -15,6 +16,7 @@ from wigwag.errors import InputError
 COOKIE = "wigwag_console"
 LEAST_TOKEN = 12
 """Characters that a token has at least."""
+_TOKEN = re.compile(rf"[A-Za-z0-9_.~-]{{{LEAST_TOKEN},200}}")
 
 HEADERS = {
     "Referrer-Policy": "no-referrer",
@@ -69,8 +71,11 @@ class Gate:
         """Check that an open door has a lock."""
         if self.token is None and not is_loopback(self.host):
             raise InputError(f"The console on {self.host} needs a token: others can reach that address.")
-        if self.token is not None and (len(self.token) < LEAST_TOKEN or not self.token.isascii()):
-            raise InputError(f"The console's token needs {LEAST_TOKEN} or more characters of ASCII.")
+        if self.token is not None and not _TOKEN.fullmatch(self.token):
+            raise InputError(
+                f"The console's token needs {LEAST_TOKEN} or more letters, digits, '-', '_', '.' or '~': it "
+                "stands in an address."
+            )
 
     def refuses(self, path: str, headers: Mapping[str, str]) -> Refusal | None:
         """Return why a request is refused; ``None``: it is not.
