@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from wigwag.cli.fly import Fly
 from wigwag.cli.looking import Looking
+from wigwag.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -18,6 +19,12 @@ class ConsoleCommand(Fly):
     """
 
     looking: Looking = field(default_factory=lambda: Looking(console=True))
+
+    def run(self) -> int:
+        """Fly with the page; return the exit code."""
+        if not self.looking.console:
+            raise InputError("wigwag console is for its page; wigwag fly does without.")
+        return super().run()
 
 
 __all__ = ["ConsoleCommand"]

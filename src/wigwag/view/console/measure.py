@@ -161,6 +161,9 @@ async def _look_on(link: Connection, url: str, viewers: int) -> None:
         async for _ in sockets[number]:
             received[number] += 1
 
+    for number, socket in enumerate(sockets):  # the page as it is, which everybody is sent first
+        await socket.recv()
+        received[number] += 1
     tasks = [asyncio.create_task(take(number)) for number in range(viewers)]
     link.send(len(sockets))
     await asyncio.get_running_loop().run_in_executor(None, link.recv)

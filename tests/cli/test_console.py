@@ -1,0 +1,68 @@
+"""``--view``, ``--save`` and ``--console`` on every command that runs the chain."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.cli.test_fly import Bench
+from tests.view.console.test_desk import Page
+from wigwag.cli.app import run
+from wigwag.fly.situation import Mode
+from wigwag.journal import decide_again, read_journal
+from wigwag.view.console.values import Ask, Button
+from wigwag.view.onlookers import Onlookers
+
+
+@pytest.mark.parametrize("command", ["console", "demo", "fly", "watch"])
+def test_every_command_that_runs_the_chain_can_be_looked_at(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as caught:
+        run([command, "--help"])
+    assert caught.value.code == 0
+    said = capsys.readouterr().out
+    assert all(
+        option in said for option in ("--view", "--save", "--console", "--console-at", "--console-token")
+    )
+    assert f"Example: wigwag {command}" in " ".join(said.split())
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--console-at", "nowhere"], "needs an address such as 127.0.0.1:8080, but got 'nowhere'"),
+        (["--console-token", "short"], "needs 12 or more letters"),
+        (["--no-console"], "wigwag fly does without"),
+    ],
+)
+def test_wrong_input_says_what_is_wrong(
+    words: list[str], says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("viser", reason="needs viser: pip install 'wigwag[console]'")
+    assert run(["console", *words]) == 2
+    assert says in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_token_without_a_console_is_wrong(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["watch", "--camera", "sim:", "--console-token", "a-long-secret"]) == 2
+    assert "--console-token is for --console" in capsys.readouterr().err
+
+
+def test_what_is_pressed_reaches_the_flight_and_is_written_down(tmp_path: Path) -> None:
+    path, page = tmp_path / "flight.jsonl", Page()
+    bench = Bench(path, duration_s=9.0)
+    flying = bench.flying
+    flying.onlookers = Onlookers(None, page)
+    flying.onlookers.begin(flying.pilot, note=flying._note_limit)  # as if live: the test does not wait
+    bench.camera.at[2.0] = lambda: page.wishes.append(Ask(None, "max_speed_m_s", 0.3))
+    bench.camera.at[7.0] = lambda: page.wishes.append(Ask(Button.STOP))
+    from wigwag.fly.values import Command
+
+    bench.says(1.5, Command.TAKE_OFF)
+    assert flying.fly() == 0
+    assert {"note": {"limit": "max_speed_m_s", "value": 0.3}} in list(read_journal(path))
+    turns = list(decide_again(path))
+    assert all(then == now and sent == again for then, sent, now, again in turns)
+    assert any(then.row == "stop" and then.mode is Mode.HOLDING for then, *_ in turns)
