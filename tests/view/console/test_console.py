@@ -7,6 +7,7 @@ import os
 import signal
 import socket
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,7 +19,8 @@ from wigwag.view.console import process
 from wigwag.view.console.console import PICTURE_PX, Console, ConsoleConfig
 from wigwag.view.console.gate import Gate
 from wigwag.view.console.measure import _looking
-from wigwag.view.console.values import Picture, Snapshot
+from wigwag.view.console.slot import Slot
+from wigwag.view.console.values import Picture, Snapshot, newer
 
 WEBSOCKET = {
     "Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Version": "13",
@@ -122,11 +124,21 @@ def test_an_open_address_gets_a_token_of_its_own() -> None:
     assert ConsoleConfig.at("0.0.0.0:1", "my-own-long-secret").token == "my-own-long-secret"
 
 
+def test_a_picture_that_was_missed_comes_with_the_next_snapshot() -> None:
+    slot: Slot[Snapshot] = Slot(newer)
+    for number in range(6):
+        slot.put(snapshot(number) if number % 2 == 0 else replace(snapshot(number), picture=None))
+    taken = slot.take()
+    assert taken is not None and taken.now_ns == 5
+    assert taken.picture is not None and taken.picture.rgb[0, 0, 0] == 4
+
+
 def test_pictures_leave_small() -> None:
     from wigwag.view.console.console import _small
 
     picture = _small(snapshot()).picture
-    assert picture is not None and picture.rgb.shape == (360, PICTURE_PX, 3)
+    assert picture is not None and picture.rgb.shape == (240, 320, 3)
+    assert picture.rgb.shape[1] <= PICTURE_PX
     assert picture.size_px == (640, 480)
 
 

@@ -20,6 +20,8 @@ from wigwag.view.console.values import Ask, Button, Figure, Flight, Line, Pictur
 
 SNAPSHOT_HZ = 12.0
 """How often a snapshot is made at most."""
+PICTURE_EVERY = 2
+"""Every so many of them carry a picture: it is by far the largest part."""
 _KEPT_LINES = 40
 _COMMANDS = {Button.STOP: Command.STOP, Button.HOLD: Command.STOP, Button.LAND: Command.LAND}
 
@@ -68,6 +70,7 @@ class Desk:
         self._timings: deque[tuple[float, float]] = deque(maxlen=60)
         self._situation: Situation | None = None
         self._shown_ns: int | None = None
+        self._count = 0
         self._trouble = ""
 
     def asked(self) -> Command | None:
@@ -183,7 +186,7 @@ class Desk:
         people = () if self.eyes is None else self.eyes.people
         snapshot = Snapshot(
             now_ns,
-            None if frame is None else _picture(frame),
+            None if frame is None or self._count % PICTURE_EVERY else _picture(frame),
             _figures(people, pose),
             seen_from,
             mount or Mount(),
@@ -195,6 +198,7 @@ class Desk:
             rest_ms,
             tuple(self._lines),
         )
+        self._count += 1
         self.console.show(snapshot)
 
     def _who(self, pose: Pose | None) -> str:
@@ -236,4 +240,4 @@ def _flight(step: Step, pilot: Pilot) -> Flight:
     )  # fmt: skip
 
 
-__all__ = ["SNAPSHOT_HZ", "Desk", "Showing"]
+__all__ = ["PICTURE_EVERY", "SNAPSHOT_HZ", "Desk", "Showing"]

@@ -17,8 +17,6 @@ from wigwag.view.console.values import Ask, Button, Flight, Line, Picture, Snaps
 from wigwag.view.draw import draw_body, draw_skeleton
 
 _JPEG_QUALITY = 70
-_PICTURE_EVERY = 2
-"""A picture goes out with every so many snapshots."""
 _SHOWN_LINES = 9
 _COLORS = {"gesture": "#5fd39a", "mode": "#8ab4f8", "console": "#f2c94c", "alarm": "#ff7b72", "": "#c9d1d9"}
 _BUTTONS: tuple[tuple[Button, str, str, str], ...] = (
@@ -55,7 +53,6 @@ class Page:
         self._sliders: dict[str, Any] = {}
         self._set: dict[str, float] = {}
         """What each slider last was set to by us: where it stands otherwise, somebody has moved it."""
-        self._count = 0
         self._lines: tuple[Line, ...] = ()
 
     def show(self, snapshot: Snapshot) -> None:
@@ -68,9 +65,8 @@ class Page:
                 self._events.content = events_html(snapshot.lines)
             if snapshot.flight is not None:
                 self._dials(snapshot.flight)
-            if snapshot.picture is not None and self._count % _PICTURE_EVERY == 0:
+            if snapshot.picture is not None:
                 self._picture.content = picture_html(drawn(snapshot.picture, snapshot))
-        self._count += 1
 
     def _add_button(self, button: Button, label: str, color: str, hint: str) -> None:
         made = self._server.gui.add_button(label, color=color, hint=hint)

@@ -16,7 +16,7 @@ from wigwag.camera.extras import load
 from wigwag.errors import WigwagError
 from wigwag.view.console.gate import HEADERS, Gate
 from wigwag.view.console.slot import Slot
-from wigwag.view.console.values import Ask, Snapshot
+from wigwag.view.console.values import Ask, Snapshot, newer
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -48,7 +48,7 @@ def serve(link: Connection, config: ConsoleConfig) -> None:
     page = Page(server, config.title, config.flies, lambda ask: tell(Ask.to_json(ask)))
     shown = f"[{config.host}]" if ":" in config.host else config.host
     tell(json.dumps({"url": f"http://{shown}:{server.get_port()}"}).encode())
-    slot: Slot[Snapshot] = Slot()
+    slot: Slot[Snapshot] = Slot(newer)
     threading.Thread(target=_read, args=(link, slot), daemon=True).start()
     rest = threading.Event()
     while (snapshot := slot.take()) is not None:

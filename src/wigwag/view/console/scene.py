@@ -86,9 +86,9 @@ class Scene:
     def _eye(self, snapshot: Snapshot, at: VehicleState, operator_m: Float[np.ndarray, " 3"] | None) -> None:
         """Draw the camera where it was, once its lens is known; let the first look be over its shoulder."""
         picture = snapshot.picture
-        if picture is None:
-            return
         if self._camera is None:
+            if picture is None:
+                return
             aspect = picture.size_px[0] / picture.size_px[1]
             self._camera = self._scene.add_camera_frustum(
                 "/camera", picture.fov_rad, aspect, scale=0.25, color=_NOSE, thickness=0.008,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from typing import Generic, TypeVar
 
 Value = TypeVar("Value")
@@ -11,6 +12,9 @@ Value = TypeVar("Value")
 class Slot(Generic[Value]):
     """Holds the newest value until it is taken.
 
+    Args:
+        merge: What to hold of a value that nobody took and the one that comes after it; by default the later.
+
     Example:
         >>> slot = Slot()
         >>> slot.put(1); slot.put(2)
@@ -18,7 +22,8 @@ class Slot(Generic[Value]):
         (2, 1)
     """
 
-    def __init__(self) -> None:
+    def __init__(self, merge: Callable[[Value, Value], Value] | None = None) -> None:
+        self._merge = merge
         self._there = threading.Condition()
         self._value: Value | None = None
         self._closed = False
@@ -28,7 +33,9 @@ class Slot(Generic[Value]):
     def put(self, value: Value) -> None:
         """Leave a value."""
         with self._there:
-            self.replaced += self._value is not None
+            if self._value is not None:
+                self.replaced += 1
+                value = value if self._merge is None else self._merge(self._value, value)
             self._value = value
             self._there.notify()
 

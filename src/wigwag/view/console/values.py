@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
@@ -84,6 +84,7 @@ class Snapshot:
 
     now_ns: int
     picture: Picture | None
+    """``None``: none came, or it is not this one's turn to carry it."""
     figures: tuple[Figure, ...]
     seen_from: VehicleState | None
     """Where the drone was when the picture was taken; ``None``: the camera stands somewhere, level."""
@@ -101,6 +102,13 @@ class Snapshot:
     """The same for everything after it."""
     lines: tuple[Line, ...]
     """The last events, the newest last; whoever missed a snapshot has missed none of them."""
+
+
+def newer(missed: Snapshot, snapshot: Snapshot) -> Snapshot:
+    """Return the later of two snapshots, with the picture of the one that was missed if it has none."""
+    if snapshot.picture is not None or missed.picture is None:
+        return snapshot
+    return replace(snapshot, picture=missed.picture)
 
 
 class Button(StrEnum):
@@ -151,4 +159,4 @@ class Ask:
         raise InputError(f"{data[:80]!r} is nothing that the console's page can ask for.")
 
 
-__all__ = ["Ask", "Button", "Figure", "Flight", "Line", "Picture", "Snapshot"]
+__all__ = ["Ask", "Button", "Figure", "Flight", "Line", "Picture", "Snapshot", "newer"]
