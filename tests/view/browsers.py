@@ -19,7 +19,14 @@ def chromium() -> Iterator[Any]:
     """Start the system's Chromium; skip the test where there is none."""
     pytest.importorskip("viser", reason="needs viser: pip install 'wigwag[console]'")
     playwright = pytest.importorskip("playwright.sync_api", reason="needs playwright: pip install playwright")
-    path = next((found for name in ("chromium", "chromium-browser") if (found := shutil.which(name))), None)
+    path = next(
+        (
+            found
+            for name in ("chromium", "chromium-browser", "google-chrome")
+            if (found := shutil.which(name))
+        ),
+        None,
+    )
     if path is None:
         pytest.skip("needs Chromium: apt-get install chromium")
     with playwright.sync_playwright() as running:

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from tests.view.browsers import Tab, chromium, of_color
+from tests.view.console.test_console import snapshot
 from tests.view.console_flight import fly
 from wigwag.errors import ModelError
 from wigwag.pose.blazepose import BlazePose
@@ -168,6 +169,8 @@ def test_without_the_token_a_browser_sees_nothing_and_commands_nothing() -> None
                     break
                 right.page.wait_for_timeout(50)
             assert [ask.button for ask in asks] == ["stop"]
+            page.show(snapshot())
+            right.until("no news for")
             assert right.complaints == []
         finally:
             page.close()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -66,19 +65,16 @@ class ConsoleBenchmark:
                 told=lambda number, name: status.update(f"round {number + 1} of {self.rounds}: {name}"),
             )  # fmt: skip
         alone = loads[0]
-
-        def left(load: Load) -> float:
-            return load.rate_hz / alone.rate_hz
-
-        self._print(terminal, loads, left)
+        self._print(terminal, loads)
         for load in loads:
             records.add(
                 load=load.name, viewers=self.viewers if load.name == "viewers" else 0, turns=load.turns,
-                rate_hz=load.rate_hz, loop_ms=load.loop_ms, process_ms=load.process_ms, rate_left=left(load),
+                rate_hz=load.rate_hz, loop_ms=load.loop_ms, process_ms=load.process_ms,
+                rate_left=load.left_of(alone),
             )  # fmt: skip
-        return 0 if left(loads[-1]) >= 0.9 else 1
+        return 0 if loads[-1].left_of(alone) >= 0.9 else 1
 
-    def _print(self, terminal: Console, loads: list[Load], left: Callable[[Load], float]) -> None:
+    def _print(self, terminal: Console, loads: list[Load]) -> None:
         from rich.box import SIMPLE_HEAD
         from rich.table import Table
 
@@ -92,7 +88,7 @@ class ConsoleBenchmark:
         for load in loads:
             name = f"{self.viewers} viewers" if load.name == "viewers" else load.name
             table.add_row(
-                name, f"{load.rate_hz:.1f}", f"[bold]{left(load):.0%}[/]", f"{load.loop_ms:.2f}",
+                name, f"{load.rate_hz:.1f}", f"[bold]{load.left_of(loads[0]):.0%}[/]", f"{load.loop_ms:.2f}",
                 f"{load.process_ms:.2f}",
             )  # fmt: skip
         terminal.print(table)

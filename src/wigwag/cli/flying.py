@@ -92,7 +92,7 @@ class Flying:
         if step.verdict.row:
             text = f"{glimpse.now_ns * 1e-9:9.1f} s  {step.verdict.row}: {step.verdict.mode}"
             self.console.print(text, highlight=False)
-        live.update(_line(step, glimpse.health.reason or self.pilot.trouble))
+        live.update(_line(step, glimpse.health.reason or self.pilot.trouble or self.onlookers.trouble))
         self.onlookers.turn(glimpse.frame, step, glimpse.health.reason)
 
     def _note_limit(self, name: str, value: float) -> None:

@@ -101,6 +101,11 @@ class Onlookers:
         """Return what the pilot is to be asked with the next turn."""
         return None if self._desk is None else self._desk.asked()
 
+    @property
+    def trouble(self) -> str:
+        """Why the page is gone; empty: it is there, or nobody asked for one."""
+        return "" if self.console is None else self.console.trouble
+
     def turn(self, frame: Frame | None, step: Step, trouble: str = "") -> None:
         """Show a turn of a flight.
 

@@ -62,12 +62,27 @@ class Load:
 
     name: str
     turns: int
-    rate_hz: float
-    """Turns a second of the wall's clock, a median over the rounds."""
+    rates_hz: tuple[float, ...]
+    """Turns a second of the wall's clock, a value a round."""
     loop_ms: float
     """Processor milliseconds of the loop's own thread a turn, a median over the rounds."""
     process_ms: float
     """The same of the loop's whole process, with the thread that sends."""
+
+    @property
+    def rate_hz(self) -> float:
+        """Turns a second, a median over the rounds."""
+        return median(self.rates_hz)
+
+    def left_of(self, other: Load) -> float:
+        """Return the share of another load's rate that is left: a median over the rounds, each by itself.
+
+        Example:
+            >>> alone, looked_at = Load("", 1, (10.0, 20.0, 40.0), 1, 1), Load("", 1, (9.0, 20.0, 30.0), 1, 1)
+            >>> looked_at.left_of(alone)
+            0.9
+        """
+        return median(mine / theirs for mine, theirs in zip(self.rates_hz, other.rates_hz, strict=True))
 
 
 def measure(
@@ -94,10 +109,11 @@ def measure(
             told(number, name)
             with _looking(page.url, viewers if name == "viewers" else 0):
                 rows[name].append(_fly(rig, pilot, None if name == "no console" else onlookers, turns))
-    return [
-        Load(name, rounds * turns, *(median(column) for column in zip(*measured, strict=True)))
-        for name, measured in rows.items()
-    ]
+    loads = []
+    for name, measured in rows.items():
+        rates, loop_ms, process_ms = zip(*measured, strict=True)
+        loads.append(Load(name, rounds * turns, rates, median(loop_ms), median(process_ms)))
+    return loads
 
 
 def _fly(rig: Rig, pilot: Pilot, onlookers: Onlookers | None, turns: int) -> tuple[float, float, float]:

@@ -54,9 +54,11 @@ class Page:
         self._set: dict[str, float] = {}
         """What each slider last was set to by us: where it stands otherwise, somebody has moved it."""
         self._lines: tuple[Line, ...] = ()
+        self._shown = False
 
     def show(self, snapshot: Snapshot) -> None:
         """Show a snapshot to everybody who looks, as one change."""
+        self._shown = True
         with self._server.atomic():
             self.scene.show(snapshot)
             self._state.content = state_html(snapshot)
@@ -67,6 +69,12 @@ class Page:
                 self._dials(snapshot.flight)
             if snapshot.picture is not None:
                 self._picture.content = picture_html(drawn(snapshot.picture, snapshot))
+
+    def say_silent(self, silent_s: float) -> None:
+        """Say that the loop is silent, so that nobody takes an old picture for now."""
+        if self._shown:
+            text = f"no news for {silent_s:.0f} s: what is shown is old"
+            self._state.content = f'<div style="background:#a00;padding:.6em .8em"><b>{text}</b></div>'
 
     def _add_button(self, button: Button, label: str, color: str, hint: str) -> None:
         made = self._server.gui.add_button(label, color=color, hint=hint)

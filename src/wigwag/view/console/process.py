@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 PAGE_HZ = 10.0
 """How often the page is drawn anew at most."""
+NEWS_S = 1.0
+"""A loop that has said nothing for so long is said to be silent: what the page shows is old."""
 
 
 def serve(link: Connection, config: ConsoleConfig) -> None:
@@ -51,7 +53,14 @@ def serve(link: Connection, config: ConsoleConfig) -> None:
     slot: Slot[Snapshot] = Slot(newer)
     threading.Thread(target=_read, args=(link, slot), daemon=True).start()
     rest = threading.Event()
-    while (snapshot := slot.take()) is not None:
+    silent_s = 0.0
+    while not slot.closed:
+        snapshot = slot.take(NEWS_S)
+        if snapshot is None:
+            silent_s += NEWS_S
+            page.say_silent(silent_s)
+            continue
+        silent_s = 0.0
         page.show(snapshot)
         rest.wait(1.0 / PAGE_HZ)
     server.stop()
@@ -128,4 +137,4 @@ def _nowhere() -> TextIO:
     return open(os.devnull, "w", encoding="utf-8")  # for as long as the process lives
 
 
-__all__ = ["PAGE_HZ", "guarded_server", "serve"]
+__all__ = ["NEWS_S", "PAGE_HZ", "guarded_server", "serve"]

@@ -26,7 +26,8 @@ class Slot(Generic[Value]):
         self._merge = merge
         self._there = threading.Condition()
         self._value: Value | None = None
-        self._closed = False
+        self.closed = False
+        """Whether there is nothing more to wait for."""
         self.replaced = 0
         """How many values nobody took."""
 
@@ -39,17 +40,17 @@ class Slot(Generic[Value]):
             self._value = value
             self._there.notify()
 
-    def take(self) -> Value | None:
-        """Wait for a value and take it; ``None`` once the slot is closed."""
+    def take(self, timeout_s: float | None = None) -> Value | None:
+        """Wait for a value and take it; ``None`` if none came in time, or the slot is closed."""
         with self._there:
-            self._there.wait_for(lambda: self._closed or self._value is not None)
+            self._there.wait_for(lambda: self.closed or self._value is not None, timeout_s)
             value, self._value = self._value, None
-            return None if self._closed else value
+            return None if self.closed else value
 
     def close(self) -> None:
         """Let whoever waits go."""
         with self._there:
-            self._closed = True
+            self.closed = True
             self._there.notify_all()
 
 
