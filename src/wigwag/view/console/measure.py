@@ -22,8 +22,8 @@ from wigwag.skeleton import Clip, Pose
 from wigwag.view.console.console import Console
 from wigwag.view.onlookers import Onlookers
 
-LOADS = ("no console", "nobody looks", "viewers")
-"""What is measured, one after the other, again and again."""
+LOADS = ("nobody", "viewers")
+"""Who looks on while it is measured, one after the other, again and again."""
 _CONNECT_S = 60.0
 
 
@@ -87,7 +87,7 @@ class Load:
 
 def measure(
     rig: Rig, pilot: Pilot, page: Console, *, viewers: int, rounds: int, turns: int,
-    told: Callable[[int, str], None] = lambda number, name: None,
+    told: Callable[[int], None] = lambda number: None,
 ) -> list[Load]:  # fmt: skip
     """Fly a simulated rig as fast as it goes, under each load in turn.
 
@@ -98,17 +98,18 @@ def measure(
         viewers: How many look on under the last load.
         rounds: How often each load comes.
         turns: Of the loop, each time.
-        told: Is called before each, with its number and name.
+        told: Is called before each round, with its number.
     """
     onlookers = Onlookers(None, page)
     onlookers.begin(pilot)  # as if live: nothing holds it to the wall's clock
     rows: dict[str, list[tuple[float, float, float]]] = {name: [] for name in LOADS}
-    _fly(rig, pilot, None, turns)
-    for number in range(rounds):
-        for name in LOADS[::-1] if number % 2 else LOADS:  # what drifts, drifts against each of them
-            told(number, name)
-            with _looking(page.url, viewers if name == "viewers" else 0):
-                rows[name].append(_fly(rig, pilot, None if name == "no console" else onlookers, turns))
+    _fly(rig, pilot, onlookers, turns)
+    # The viewers stay; without the console's part in the loop nothing is sent to them.
+    with _looking(page.url, viewers):
+        for number in range(rounds):
+            told(number)
+            for name in LOADS[::-1] if number % 2 else LOADS:  # what drifts, drifts against each of them
+                rows[name].append(_fly(rig, pilot, onlookers if name == "viewers" else None, turns))
     loads = []
     for name, measured in rows.items():
         rates, loop_ms, process_ms = zip(*measured, strict=True)
@@ -136,9 +137,6 @@ def _fly(rig: Rig, pilot: Pilot, onlookers: Onlookers | None, turns: int) -> tup
 @contextmanager
 def _looking(url: str, viewers: int) -> Iterator[None]:
     """Let so many viewers look on, from a process of their own that takes all that is sent to them."""
-    if not viewers:
-        yield
-        return
     context = multiprocessing.get_context("spawn")
     link, theirs = context.Pipe()
     process = context.Process(target=look_on, args=(theirs, url, viewers), daemon=True)
