@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -9,8 +10,11 @@ import pytest
 from tests.cli.test_fly import Bench
 from tests.view.console.test_desk import Page
 from wigwag.cli.app import run
+from wigwag.errors import ModelError
 from wigwag.fly.situation import Mode
+from wigwag.fly.values import Command
 from wigwag.journal import decide_again, read_journal
+from wigwag.pose.blazepose import BlazePose
 from wigwag.view.console.values import Ask, Button
 from wigwag.view.onlookers import Onlookers
 
@@ -58,11 +62,25 @@ def test_what_is_pressed_reaches_the_flight_and_is_written_down(tmp_path: Path) 
     flying.onlookers.begin(flying.pilot, note=flying._note_limit)  # as if live: the test does not wait
     bench.camera.at[2.0] = lambda: page.wishes.append(Ask(None, "max_speed_m_s", 0.3))
     bench.camera.at[7.0] = lambda: page.wishes.append(Ask(Button.STOP))
-    from wigwag.fly.values import Command
-
     bench.says(1.5, Command.TAKE_OFF)
     assert flying.fly() == 0
     assert {"note": {"limit": "max_speed_m_s", "value": 0.3}} in list(read_journal(path))
     turns = list(decide_again(path))
     assert all(then == now and sent == again for then, sent, now, again in turns)
     assert any(then.row == "stop" and then.mode is Mode.HOLDING for then, *_ in turns)
+
+
+def test_the_cost_of_viewers_is_measured(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("viser", reason="needs viser: pip install 'wigwag[console]'")
+    try:
+        BlazePose()
+    except ModelError as error:
+        pytest.skip(f"the pose networks are not here: {error}")
+    file = tmp_path / "console.json"
+    words = ["--viewers", "2", "--rounds", "1", "--turns", "5", "--json", str(file)]
+    assert run(["benchmark", "console", *words]) in (0, 1)
+    alone, looked_at = json.loads(file.read_text("utf-8"))
+    assert (alone["viewers"], looked_at["viewers"], alone["rate_left"]) == (0, 2, 1.0)
+    assert looked_at["rate_hz"] > 0 and looked_at["loop_ms"] > 0
+    assert "2 viewers" in capsys.readouterr().out
+    assert run(["benchmark", "console", "--viewers", "0"]) == 2

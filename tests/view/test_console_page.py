@@ -123,7 +123,6 @@ def test_limits_are_tightened_on_the_page_and_only_so() -> None:
         tab = Tab(browser, flown.url)
         flown.until(lambda turn: turn["mode"] == "executing")
         tab.until("executing")
-        tab.page.get_by_text("Limits: in flight only tighter").click(force=True)
         speed = (
             tab.page.get_by_text("Speed, m/s")
             .locator("xpath=ancestor::*[.//input][1]")

@@ -92,7 +92,7 @@ class Page:
 
     def _add_sliders(self, flight: Flight) -> None:
         gui = self._server.gui
-        with gui.add_folder("Limits: in flight only tighter", expand_by_default=False):
+        with gui.add_folder("Limits: in flight only tighter"):
             for dial in DIALS:
                 first, now = setting(flight.start, dial.name), setting(flight.limits, dial.name)
                 if first is None or now is None or abs(first - dial.tightest) < 1e-6:
