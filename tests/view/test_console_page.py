@@ -123,12 +123,7 @@ def test_limits_are_tightened_on_the_page_and_only_so() -> None:
         tab = Tab(browser, flown.url)
         flown.until(lambda turn: turn["mode"] == "executing")
         tab.until("executing")
-        speed = (
-            tab.page.get_by_text("Speed, m/s")
-            .locator("xpath=ancestor::*[.//input][1]")
-            .locator("input")
-            .first
-        )
+        speed = tab.page.locator("input[inputmode]").first
         speed.fill("0.3")
         speed.press("Enter")
         tab.press("Tighten")
