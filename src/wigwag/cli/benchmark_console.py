@@ -70,7 +70,8 @@ class ConsoleBenchmark:
             records.add(
                 load=load.name, viewers=self.viewers if load.name == "viewers" else 0, turns=load.turns,
                 rate_hz=load.rate_hz, loop_ms=load.loop_ms, process_ms=load.process_ms,
-                rate_left=load.left_of(alone),
+                rate_left=load.left_of(alone), rate_left_low=load.interval_of(alone)[0],
+                rate_left_high=load.interval_of(alone)[1],
             )  # fmt: skip
         return 0 if loads[-1].left_of(alone) >= 0.9 else 1
 
@@ -86,15 +87,16 @@ class ConsoleBenchmark:
         for column in (
             "who looks on",
             "turns a second",
-            "of it left",
+            "of it left (95 %)",
             "loop, ms a turn",
             "process, ms a turn",
         ):
             table.add_column(column, justify="right", no_wrap=True)
         for load in loads:
             name = f"{self.viewers} viewers" if load.name == "viewers" else load.name
+            low, high = load.interval_of(loads[0])
             table.add_row(
-                name, f"{load.rate_hz:.1f}", f"[bold]{load.left_of(loads[0]):.0%}[/]", f"{load.loop_ms:.2f}",
+                name, f"{load.rate_hz:.1f}", f"[bold]{load.left_of(loads[0]):.0%}[/] ({low:.0%} to {high:.0%})", f"{load.loop_ms:.2f}",
                 f"{load.process_ms:.2f}",
             )  # fmt: skip
         terminal.print(table)
