@@ -95,8 +95,9 @@ class ConsoleBenchmark:
         for load in loads:
             name = f"{self.viewers} viewers" if load.name == "viewers" else load.name
             low, high = load.interval_of(loads[0])
+            left = f"[bold]{load.left_of(loads[0]):.0%}[/] ({low:.0%} to {high:.0%})"
             table.add_row(
-                name, f"{load.rate_hz:.1f}", f"[bold]{load.left_of(loads[0]):.0%}[/] ({low:.0%} to {high:.0%})", f"{load.loop_ms:.2f}",
+                name, f"{load.rate_hz:.1f}", left, f"{load.loop_ms:.2f}",
                 f"{load.process_ms:.2f}",
             )  # fmt: skip
         terminal.print(table)
