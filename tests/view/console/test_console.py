@@ -66,6 +66,21 @@ def test_the_page_is_there_for_this_machine_and_for_no_other_site(page: Console)
     assert status(page, **{name.replace("-", "_"): value for name, value in evil.items()}) == 403
 
 
+def test_with_a_token_neither_page_nor_connection_is_had_without_it(viser: None) -> None:
+    console = Console(ConsoleConfig(port=0, token="a-long-enough-secret"))
+    upgrade = {name.replace("-", "_"): value for name, value in WEBSOCKET.items()}
+    try:
+        for path in ("/", "/?token=", "/?token=a-wrong-one-of-length", "/index.html"):
+            assert status(console, path) == 401
+            assert status(console, path, **upgrade) == 401, "nothing that is said on it would be heard"
+        assert status(console, "/", Cookie="wigwag_console=a-long-enough-secret") == 401
+        right = "/?token=a-long-enough-secret"
+        assert (status(console, right), status(console, right, **upgrade)) == (200, 101)
+        assert status(console, right, Origin="http://evil.example", **upgrade) == 403
+    finally:
+        console.close()
+
+
 def test_a_page_that_nobody_draws_does_not_hold_up_the_loop(page: Console) -> None:
     child = page._process.pid
     assert child is not None
