@@ -133,7 +133,7 @@ def test_a_short_flight_from_pixels_to_figures_report_and_film(tmp_path: Path) -
     session.pilot.spotter.recogniser = recogniser
 
     looks = Looks()
-    stills = fly(session, estimator, console, tmp_path / "demo.mp4", looks)
+    stills = fly(session, estimator, console, tmp_path / "demo.mp4", onlookers=looks)
     assert looks.begun and looks.turns == looks.asks == int(script.duration_s * 30)
     summary = account_of(session, demo, {"clips_taught": 0})
     write(demo, session, summary, stills)

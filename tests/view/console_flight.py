@@ -34,8 +34,8 @@ class Teller:
     path = "nowhere"
     left_out = 0
 
-    def __init__(self, link: Connection | None, prompter: Prompter) -> None:
-        self.link, self.prompter, self.orbiting = link, prompter, False
+    def __init__(self, link: Connection | None, prompter: Prompter, pilot: Pilot) -> None:
+        self.pilot, self.link, self.prompter, self.orbiting = pilot, link, prompter, False
 
     def turn(self, frame: Frame | None, now_ns: int, step: Step) -> None:
         mode, now_s = step.verdict.mode, step.situation.now_ns * 1e-9
@@ -50,6 +50,7 @@ class Teller:
                 {
                     "wall_s": time.time(), "now_s": now_s, "mode": mode.value, "speed": speed,
                     "row": step.verdict.row, "withheld": step.situation.withheld,
+                    "limit": self.pilot.supervisor.config.max_speed_m_s,
                     "position": step.state.position_m.tolist(), "sent": step.permit.setpoint,
                 }
             )  # fmt: skip
@@ -70,7 +71,7 @@ def fly(link: Connection | None, seconds: float, **where: Any) -> None:
         eyes = PoseEstimator(PoseConfig.alone())
         pilot = Pilot(eyes, Nobody(), rig.vehicle, in_the_air=Mode.HOLDING)
         prompter = pilot.spotter = Prompter()  # type: ignore[assignment]
-        teller = Teller(link, prompter)
+        teller = Teller(link, prompter, pilot)
         terminal = Terminal(file=io.StringIO())
         Flying(terminal, rig, pilot, teller, False, seconds, Onlookers(None, page)).fly()  # type: ignore[arg-type]
 
