@@ -68,6 +68,8 @@ class Demo:
             )
         if self.idle and self.motion != "gestures":
             raise InputError("--idle is for --motion gestures: what recorded people show are gestures.")
+        if not self.duration > 0:
+            raise InputError(f"--duration must be above 0 seconds, but got {self.duration:g}.")
         began = time.monotonic()
         try:
             self.out.mkdir(parents=True, exist_ok=True)

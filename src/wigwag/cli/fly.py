@@ -67,6 +67,7 @@ class Fly:
 
         from wigwag.cameras import parse_camera
         from wigwag.cli.flying import Flying
+        from wigwag.drones import parse_vehicle
         from wigwag.fly.situation import Mode
         from wigwag.journal import Journal
         from wigwag.pilot import Pilot
@@ -75,6 +76,7 @@ class Fly:
 
         console = Console()
         config, commands = self.settings(), self.mapping()
+        parse_vehicle(self.vehicle)  # before anything is taught or opened
         if parse_camera(self.camera).kind != "sim" and self.model is None:
             raise InputError("--model is missing: a real operator's gestures have to be taught first.")
         with threadpool_limits(1), ExitStack() as stack:
