@@ -26,12 +26,23 @@ def write(name: str, rgb: np.ndarray) -> None:
     print(name)
 
 
-def looked_at(address: str, frames: int, config: PoseConfig) -> tuple[Frame, PoseEstimator]:
-    """Let an estimator look through a camera for some frames; return the last one, and what it knows."""
+def looked_at(address: str, least: int, people: int, config: PoseConfig) -> tuple[Frame, PoseEstimator]:
+    """Look through a camera until there is an operator and so many are seen; return the last frame too.
+
+    Args:
+        address: Of the camera.
+        least: Frames to look at in any case.
+        people: How many have to be seen at once.
+        config: Who becomes the operator, and how.
+    """
     estimator = PoseEstimator(config)
     with open_camera(address) as camera:
-        for frame in islice(camera, frames):
+        for number, frame in enumerate(islice(camera, 240)):
             estimator(frame)
+            operator = estimator.operator
+            seen = sum(person.body is not None for person in estimator.people)
+            if number >= least and operator is not None and operator.body is not None and seen >= people:
+                break
     return frame, estimator
 
 
@@ -63,12 +74,12 @@ def first(clips: list[Clip], label: str, subject: str) -> Clip:
 def main() -> None:
     """Draw all of them."""
     OUT.mkdir(exist_ok=True)
-    frame, estimator = looked_at("sim:?seed=5&engage=0", 50, PoseConfig.alone())
+    frame, estimator = looked_at("sim:?seed=3&engage=0&distance_m=5", 55, 1, PoseConfig.alone())
     write("found", draw_people(frame, estimator))
     write("depth", draw_depth(frame))
-    frame, estimator = looked_at("sim:?seed=8&passersby=2&near=3&distance_m=4.5", 85, PoseConfig())
+    frame, estimator = looked_at("sim:?seed=4&passersby=2&near=2&distance_m=5", 60, 2, PoseConfig())
     write("passersby", draw_people(frame, estimator))
-    frame, estimator = looked_at("sim:?seed=9&light=0.02&engage=0", 30, PoseConfig.alone())
+    frame, estimator = looked_at("sim:?seed=9&light=0.02&engage=0", 30, 1, PoseConfig.alone())
     write("dusk", draw_people(frame, estimator))
 
     clips = training_clips(n_people=2, repetitions=1, pieces=1)
