@@ -62,14 +62,14 @@ class Demo:
         from rich.console import Console
         from threadpoolctl import threadpool_limits
 
+        if not self.duration > 0:
+            raise InputError(f"--duration must be above 0 seconds, but got {self.duration:g}.")
         if not 0 <= self.seed < 1_000_000:
             raise InputError(
                 f"--seed must be from 0 to 999999, but got {self.seed}; above are training people."
             )
         if self.idle and self.motion != "gestures":
             raise InputError("--idle is for --motion gestures: what recorded people show are gestures.")
-        if not self.duration > 0:
-            raise InputError(f"--duration must be above 0 seconds, but got {self.duration:g}.")
         began = time.monotonic()
         try:
             self.out.mkdir(parents=True, exist_ok=True)

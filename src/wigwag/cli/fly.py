@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal
 
 import tyro
 
+from wigwag.drones import parse_vehicle
 from wigwag.errors import InputError
 from wigwag.fly.values import Command
 
@@ -67,7 +68,6 @@ class Fly:
 
         from wigwag.cameras import parse_camera
         from wigwag.cli.flying import Flying
-        from wigwag.drones import parse_vehicle
         from wigwag.fly.situation import Mode
         from wigwag.journal import Journal
         from wigwag.pilot import Pilot
