@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Literal
 
 import tyro
 
-from wigwag.drones import parse_vehicle
 from wigwag.errors import InputError
 from wigwag.fly.values import Command
 
@@ -76,7 +75,7 @@ class Fly:
 
         console = Console()
         config, commands = self.settings(), self.mapping()
-        parse_vehicle(self.vehicle)  # before anything is taught or opened
+        self._check_vehicle()
         if parse_camera(self.camera).kind != "sim" and self.model is None:
             raise InputError("--model is missing: a real operator's gestures have to be taught first.")
         with threadpool_limits(1), ExitStack() as stack:
@@ -140,6 +139,12 @@ class Fly:
                 raise InputError(f"--commands takes LABEL=COMMAND, but got {pair!r}. Commands: {names}.")
             found[label] = Command(name)
         return found
+
+    def _check_vehicle(self) -> None:
+        """Tell a wrong address before anything is taught or opened."""
+        from wigwag.drones import parse_vehicle
+
+        parse_vehicle(self.vehicle)
 
     def _taught(self, stack: ExitStack) -> tuple[Taught, tuple[str, ...]]:
         from wigwag.stream.models import load_model
