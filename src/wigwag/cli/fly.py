@@ -123,6 +123,12 @@ class Fly:
             supervisor=SupervisorConfig(fence=fence, ceiling_m=self.ceiling),
         )
 
+    def _check_vehicle(self) -> None:
+        """Tell a wrong address before anything is taught or opened."""
+        from wigwag.drones import parse_vehicle
+
+        parse_vehicle(self.vehicle)
+
     def mapping(self) -> dict[str, Command]:
         """Return which label commands what.
 
@@ -139,12 +145,6 @@ class Fly:
                 raise InputError(f"--commands takes LABEL=COMMAND, but got {pair!r}. Commands: {names}.")
             found[label] = Command(name)
         return found
-
-    def _check_vehicle(self) -> None:
-        """Tell a wrong address before anything is taught or opened."""
-        from wigwag.drones import parse_vehicle
-
-        parse_vehicle(self.vehicle)
 
     def _taught(self, stack: ExitStack) -> tuple[Taught, tuple[str, ...]]:
         from wigwag.stream.models import load_model
