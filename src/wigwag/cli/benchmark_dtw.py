@@ -14,7 +14,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class DtwBenchmark:
-    """Time dynamic time warping on one thread: 688 references of 64 frames, all libraries in turn."""
+    """Time dynamic time warping on one thread: 688 references of 64 frames, all libraries in turn.
+
+    Example: wigwag benchmark dtw --data UTD-MHAD --features 16 --json dtw.json
+    """
 
     data: Path | None = None
     """Folder with UTD-MHAD's Skeleton.zip; without it, random walks."""

@@ -83,6 +83,8 @@ class Demo:
         from rich.console import Console
         from threadpoolctl import threadpool_limits
 
+        if not self.duration > 0:
+            raise InputError(f"--duration must be above 0 seconds, but got {self.duration:g}.")
         if not 0 <= self.seed < 1_000_000:
             raise InputError(
                 f"--seed must be from 0 to 999999, but got {self.seed}; above are training people."
