@@ -73,6 +73,12 @@ def test_a_flight_is_told_about_and_mended(recording: Path, capsys: pytest.Captu
     assert "420 in 14.0 s" in said and "gestures 4" in said and "its end whole" in said
     whole = recording.read_bytes()
     recording.write_bytes(whole[: len(whole) // 2])
+    figures = recording.with_name("info.json")
+    assert run(["flight", "info", str(recording), "--json", str(figures)]) == 0
+    told = json.loads(figures.read_text())
+    assert not told["whole"] and 0 < told["turns"] < 420 and told["duration_s"] < 14.0
+    assert run(["flight", "info", str(recording), "--json", str(recording.parent)]) == 2
+    assert "cannot be written" in capsys.readouterr().err
     assert run(["flight", "info", str(recording)]) == 0
     assert "cut short; wigwag flight repair" in capsys.readouterr().out
     assert run(["flight", "repair", str(recording)]) == 0
@@ -81,8 +87,8 @@ def test_a_flight_is_told_about_and_mended(recording: Path, capsys: pytest.Captu
     assert run(["flight", "repair", str(recording)]) == 0
     assert "whole already" in capsys.readouterr().out
     recording.write_bytes(b"no flight at all")
-    assert run(["flight", "repair", str(recording)]) == 1
-    assert "is no MCAP file" in " ".join(capsys.readouterr().out.split())
+    assert run(["flight", "repair", str(recording)]) == 2
+    assert "is no MCAP file" in " ".join(capsys.readouterr().err.split())
 
 
 def test_every_gesture_of_a_flight_is_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

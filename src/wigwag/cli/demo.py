@@ -41,6 +41,7 @@ class Demo:
     """Fly a simulated drone by the gestures of a simulated operator; every pose comes from rendered pixels.
 
     Writes summary.json, report.html and demo.mp4. Example: wigwag demo --seed 2 --out out
+
     With gestures of your own: wigwag demo --model mine.wigwag --gestures goalpost --commands goalpost=orbit
     """
 
