@@ -56,7 +56,7 @@ def test_a_new_user_gets_from_nothing_to_a_flight(networks: None, tmp_path: Path
     evaluation = json.loads((tmp_path / "evaluation.json").read_text())[0]
     assert (evaluation["right"], evaluation["clips"]) == (3, 3)
     assert (tmp_path / "evaluation" / "confusion.png").exists()
-    replayed = json.loads((tmp_path / "replay.json").read_text())
+    (replayed,) = json.loads((tmp_path / "replay.json").read_text())
     assert replayed["same"] and replayed["turns"] > 500 and replayed["times_real_time"] > 4
     explained = json.loads((tmp_path / "explained" / "explained.json").read_text())
     assert {"goalpost", "crane"} <= {one["label"] for one in explained}

@@ -6,9 +6,11 @@ command has to tell before anything is computed. A new file may hold that line a
 """
 
 import dataclasses
+import inspect
 import os
 import re
 import shlex
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -102,6 +104,19 @@ def test_a_group_without_its_command_is_2_and_lists_them(
 def test_figures_can_be_had_as_json(entry: Entry) -> None:
     reports = RECORDS & {field.name for field in dataclasses.fields(entry.kind)}
     assert reports or entry.words in NO_FIGURES, f"wigwag {words_of(entry)} reports figures without --json"
+
+
+@pytest.mark.parametrize("entry", ENTRIES, ids=words_of)
+def test_a_command_that_may_end_in_1_says_when(entry: Entry) -> None:
+    may = re.search(r"return (1\b|int\()", inspect.getsource(entry.kind))
+    assert not may or re.search(r"exit\s+code", inspect.getdoc(entry.kind) or "", re.IGNORECASE)
+
+
+@pytest.mark.parametrize("entry", ENTRIES, ids=words_of)
+def test_a_command_shows_that_it_is_at_work(entry: Entry) -> None:
+    """The marks are of what shows a bar, a line that changes, or a picture of the moment."""
+    source = inspect.getsource(sys.modules[entry.kind.__module__])
+    assert re.search(r"\b(bar_of_steps|status|track|Progress|Live)\(", source)
 
 
 @pytest.mark.parametrize("file", SNAPSHOTS, ids=lambda file: file.stem)

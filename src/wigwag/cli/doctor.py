@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import importlib.metadata
-import json as json_format
 import os
 import platform
 import re
@@ -63,11 +62,14 @@ class Doctor:
         """Check everything; return 0 if all that is needed works, else 1."""
         from rich.console import Console
 
+        from wigwag.evaluate.records import Records
+
         console = Console(stderr=True)
         if self.picture is not None and not self.picture.exists():
             raise InputError(
                 f"--picture {self.picture}: there is no such file. Name a picture, such as photo.jpg."
             )
+        records = Records(self.json, "wigwag doctor", None)
         findings: list[Finding] = []
         with console.status("looking around"):
             findings += check_system()
@@ -77,8 +79,8 @@ class Doctor:
         with console.status("trying the pose network"):
             findings += self._check_pose()
         _show(findings)
-        if self.json:
-            _write_json(self.json, findings)
+        for finding in findings:
+            records.add(**asdict(finding))
         return 1 if any(finding.state == "missing" for finding in findings) else 0
 
     def _check_models(self) -> Iterator[Finding]:
@@ -282,17 +284,6 @@ def _show(findings: list[Finding]) -> None:
         console.print(Text(f"All extras that are not here: {line}"), soft_wrap=True)
     missing = sum(finding.state == "missing" for finding in findings)
     console.print(Text("All that is needed works here." if not missing else f"{missing} needed: see above."))
-
-
-def _write_json(path: Path, findings: list[Finding]) -> None:
-    from wigwag import __version__
-
-    tail = {"command": "doctor", "seed": None, "version": __version__}
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json_format.dumps([asdict(f) | tail for f in findings], indent=1) + "\n")
-    except OSError as error:
-        raise InputError(f"{path}: the records cannot be written ({error.strerror}).") from error
 
 
 __all__ = ["Doctor", "Finding", "check_extras", "check_packages", "check_system", "install_line"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json as json_format
+import shlex
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -22,7 +22,7 @@ class Info:
     flight: tyro.conf.Positional[Path]
     """The .mcap file."""
     json: Path | None = None
-    """File for the figures."""
+    """File for the figures: one record."""
 
     def run(self) -> int:
         """Print it; return 0."""
@@ -30,11 +30,13 @@ class Info:
         from rich.console import Console
         from rich.table import Table
 
+        from wigwag.evaluate.records import Records
+
+        records = Records(self.json, shlex.join(["wigwag", "flight", "info", str(self.flight)]), None)
         console = Console()
         with console.status("reading"):
             figures, facts = look_into(self.flight)
-        if self.json is not None:
-            _write(self.json, figures)
+        records.add(**figures, **facts)
         taught = "none" if figures["model_bytes"] is None else f"{figures['model_bytes'] / 1e6:.1f} MB"
         rows = {
             "turns": f"{figures['turns']} in {figures['duration_s']:.1f} s",
@@ -57,7 +59,6 @@ def look_into(path: Path) -> tuple[dict[str, Any], dict[str, str]]:
     Raises:
         DataError: If it cannot be read or is no flight.
     """
-    from wigwag import __version__
     from wigwag.record.flight import Flight
     from wigwag.record.repair import is_whole
 
@@ -75,18 +76,9 @@ def look_into(path: Path) -> tuple[dict[str, Any], dict[str, str]]:
         "flight": str(path), "turns": turns, "duration_s": last_s - first_s, "gestures": gestures,
         "pictures": flight.facts["pictures"], "depth": flight.facts["depth"],
         "model_bytes": None if flight.model is None else len(flight.model),
-        "bytes": path.stat().st_size, "whole": is_whole(path), "facts": facts,
-        "command": f"wigwag flight info {path}", "seed": None, "version": __version__,
+        "bytes": path.stat().st_size, "whole": is_whole(path),
     }  # fmt: skip
     return figures, facts
-
-
-def _write(path: Path, figures: dict[str, Any]) -> None:
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json_format.dumps(figures, indent=1) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror}).") from error
 
 
 @dataclass(frozen=True)
