@@ -5,6 +5,7 @@ import re
 import shlex
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -37,6 +38,7 @@ def test_every_command_is_wigwags_and_comes_from_the_clone():
 def test_a_new_user_gets_from_nothing_to_a_flight(networks: None, tmp_path: Path) -> None:
     wigwag = Path(sys.executable).parent / "wigwag"
     said: dict[str, str] = {}
+    began = time.monotonic()
     for command in commands():
         done = subprocess.run(
             [str(wigwag), *command[3:]], cwd=tmp_path, capture_output=True, text=True, check=False
@@ -54,3 +56,9 @@ def test_a_new_user_gets_from_nothing_to_a_flight(networks: None, tmp_path: Path
     evaluation = json.loads((tmp_path / "evaluation.json").read_text())[0]
     assert (evaluation["right"], evaluation["clips"]) == (3, 3)
     assert (tmp_path / "evaluation" / "confusion.png").exists()
+    (replayed,) = json.loads((tmp_path / "replay.json").read_text())
+    assert replayed["same"] and replayed["turns"] > 500 and replayed["times_real_time"] > 4
+    explained = json.loads((tmp_path / "explained" / "explained.json").read_text())
+    assert {"goalpost", "crane"} <= {one["label"] for one in explained}
+    assert all((tmp_path / "explained" / one["picture"]).stat().st_size > 20_000 for one in explained)
+    assert time.monotonic() - began < 15 * 60, "the tutorial promises a quarter of an hour"

@@ -36,11 +36,21 @@ def open_vehicle(address: str) -> Vehicle:
         >>> open_vehicle("sim:?seed=2").capabilities.name
         'simulated quadrotor'
     """
+    parsed = parse_vehicle(address)
+    return _FORMS[parsed.kind].make(parsed)
+
+
+def parse_vehicle(address: str) -> Address:
+    """Take a vehicle's address apart; nothing is opened.
+
+    Raises:
+        InputError: If it is of no known form, or has an option that its kind does not take.
+    """
     kind, colon, _ = address.partition(":")
     form = _FORMS.get(kind)
     if not colon or form is None:
         raise InputError(f"{address!r} is no address of a vehicle. There are:\n{vehicle_forms()}")
-    return form.make(parse(address, form.options))
+    return parse(address, form.options)
 
 
 def vehicle_forms() -> str:

@@ -24,9 +24,9 @@ def test_a_replay_that_is_the_same(recording: Path, capsys: pytest.CaptureFixtur
     assert run(["replay", str(recording), "--json", str(out)]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "420 turns, 14.0 s of flight" in said and "the same to the last bit: 4 gestures" in said
-    figures = json.loads(out.read_text())
+    (figures,) = json.loads(out.read_text())
     assert figures["same"] and figures["turns"] == 420 and figures["times_real_time"] > 4
-    assert figures["differences"] == [] and figures["from"] == "poses"
+    assert figures["kind"] == "all" and figures["source"] == "poses"
 
 
 def test_another_model_is_compared(recording: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -39,7 +39,11 @@ def test_another_model_is_compared(recording: Path, capsys: pytest.CaptureFixtur
     clips = [Clip.at_rate(rng.normal(size=(30, 13, 3)), 30, label, "s1") for label in "abab"]
     model = recording.with_name("other.wigwag")
     KernelRecognizer(preset="fast", copies=0).fit(clips).save(model)
-    assert run(["replay", str(recording), "--model", str(model)]) == 1
+    out = recording.with_name("otherwise.json")
+    assert run(["replay", str(recording), "--model", str(model), "--json", str(out)]) == 1
+    figures, *differences = json.loads(out.read_text())
+    assert not figures["same"] and "--model" in figures["command"]
+    assert differences[0]["kind"] == "difference" and "take_off" in differences[0]["then"]
     said = " ".join(capsys.readouterr().out.split())
     assert "not the same, from" in said and "take_off (1.000)" in said and "nothing" in said
 
@@ -73,6 +77,12 @@ def test_a_flight_is_told_about_and_mended(recording: Path, capsys: pytest.Captu
     assert "420 in 14.0 s" in said and "gestures 4" in said and "its end whole" in said
     whole = recording.read_bytes()
     recording.write_bytes(whole[: len(whole) // 2])
+    figures = recording.with_name("info.json")
+    assert run(["flight", "info", str(recording), "--json", str(figures)]) == 0
+    (told,) = json.loads(figures.read_text())
+    assert not told["whole"] and 0 < told["turns"] < 420 and told["duration_s"] < 14.0
+    assert run(["flight", "info", str(recording), "--json", str(recording.parent)]) == 2
+    assert "cannot be written" in capsys.readouterr().err
     assert run(["flight", "info", str(recording)]) == 0
     assert "cut short; wigwag flight repair" in capsys.readouterr().out
     assert run(["flight", "repair", str(recording)]) == 0
@@ -81,8 +91,8 @@ def test_a_flight_is_told_about_and_mended(recording: Path, capsys: pytest.Captu
     assert run(["flight", "repair", str(recording)]) == 0
     assert "whole already" in capsys.readouterr().out
     recording.write_bytes(b"no flight at all")
-    assert run(["flight", "repair", str(recording)]) == 1
-    assert "is no MCAP file" in " ".join(capsys.readouterr().out.split())
+    assert run(["flight", "repair", str(recording)]) == 2
+    assert "is no MCAP file" in " ".join(capsys.readouterr().err.split())
 
 
 def test_every_gesture_of_a_flight_is_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

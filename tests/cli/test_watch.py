@@ -23,7 +23,7 @@ def test_watching_the_simulator_finds_the_operator(networks, tmp_path, capsys):
     assert run(line) == 0
     (record,) = json.loads(file.read_text())
     assert record["frames_fresh"] >= 40
-    assert record["sights"]["stale"] == 0
+    assert record["sight_stale"] == 0
     assert record["operator_found"] > 0.9
     assert record["latency_ms_median"] is None, "in a recording no time passes but with its frames"
     assert "the operator's pose in" in capsys.readouterr().out

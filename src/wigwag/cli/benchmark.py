@@ -32,7 +32,10 @@ from wigwag.cli.benchmark_utd_mhad import UtdMhadBenchmark
 
 @dataclass(frozen=True)
 class Benchmark:
-    """Remake the published figures; each benchmark prints a table and writes JSON records."""
+    """Remake the published figures; each benchmark prints a table and writes JSON records.
+
+    Example: wigwag benchmark faults --json faults.json
+    """
 
     benchmark: tyro.conf.OmitArgPrefixes[
         tyro.conf.OmitSubcommandPrefixes[

@@ -12,7 +12,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class CameraBenchmark:
-    """Measure rate, latency, age of what is handed on and memory, 640x480 with depth, on one core."""
+    """Measure rate, latency, age of what is handed on and memory, 640x480 with depth, on one core.
+
+    Example: wigwag benchmark camera --json camera.json
+    """
 
     engine: Literal["litert", "mediapipe"] = "litert"
     """What runs the networks; 'mediapipe' needs the extra of that name."""

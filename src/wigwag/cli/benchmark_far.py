@@ -14,7 +14,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FarBenchmark:
-    """Shrink photos of people, set them on clutter of other photos, and look for them."""
+    """Shrink photos of people, set them on clutter of other photos, and look for them.
+
+    Example: wigwag benchmark far --data PHOTOS --json far.json
+    """
 
     data: Path
     """Folder of photos with one person each: FOLDER/*.jpg."""

@@ -12,6 +12,8 @@ class FaultsBenchmark:
 
     Poses are synthesised from where the person is; links are real MAVLink bytes to fake autopilots. Exit code
     1 if any run ended otherwise.
+
+    Example: wigwag benchmark faults --only link --json faults.json
     """
 
     runs: int = 50

@@ -13,7 +13,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FewShotBenchmark:
-    """Teach UTD-MHAD's gestures by few examples: other people's, one's own, one's own beside the others'."""
+    """Teach UTD-MHAD's gestures by few examples: other people's, one's own, one's own beside the others'.
+
+    Example: wigwag benchmark few-shot --data UTD-MHAD --json few-shot.json
+    """
 
     data: Path
     """Folder with Skeleton.zip (or the zip file, or a folder with Skeleton/*.mat)."""

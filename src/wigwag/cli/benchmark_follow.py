@@ -11,6 +11,8 @@ class FollowBenchmark:
     """Follow a person along an arc at 0.75 m/s, and fly every command, with vehicles that answer late.
 
     Poses come 50 to 100 ms late, with noise, and one in fifty not at all; gusts of 2 m/s blow.
+
+    Example: wigwag benchmark follow --json follow.json
     """
 
     runs: int = 5

@@ -12,7 +12,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class GalleryBenchmark:
-    """Look for the nearest of up to a million enrolled clips, by a shortlist and DTW, on one thread."""
+    """Look for the nearest of up to a million enrolled clips, by a shortlist and DTW, on one thread.
+
+    Example: wigwag benchmark gallery --data UTD-MHAD --json gallery.json --out gallery.png
+    """
 
     data: Path
     """Folder with UTD-MHAD's Skeleton.zip; what is enrolled are variations of its clips."""

@@ -15,7 +15,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LiftBenchmark:
-    """Lift landmarks on UTD-MHAD's depth recordings and compare with its skeletons."""
+    """Lift landmarks on UTD-MHAD's depth recordings and compare with its skeletons.
+
+    Example: wigwag benchmark lift --data UTD-MHAD --json lift.json
+    """
 
     data: Path
     """Folder with Skeleton.zip and Depth_56_clips.zip (or Skeleton/*.mat and Depth/*.mat)."""

@@ -8,7 +8,10 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class LinkBenchmark:
-    """Measure the stream of set-points to a fake autopilot in another process, over a real UDP socket."""
+    """Measure the stream of set-points to a fake autopilot in another process, over a real UDP socket.
+
+    Example: wigwag benchmark link --seconds 10 --json link.json
+    """
 
     seconds: float = 30.0
     """How long each load is measured."""

@@ -8,7 +8,10 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class MonocularBenchmark:
-    """Place simulated people without depth at 2 to 8 m, beside the same people by depth."""
+    """Place simulated people without depth at 2 to 8 m, beside the same people by depth.
+
+    Example: wigwag benchmark monocular --json monocular.json
+    """
 
     json: Path | None = None
     """File for the records, one a distance and way of placing."""

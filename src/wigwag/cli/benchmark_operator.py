@@ -14,7 +14,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class OperatorBenchmark:
-    """Let people cross, stop beside and before, and replace a rendered operator, from pixels to pose."""
+    """Let people cross, stop beside and before, and replace a rendered operator, from pixels to pose.
+
+    Example: wigwag benchmark operator --json operator.json
+    """
 
     crossings: int = 20
     """How many crossings (or other events) in each condition at each distance, half before the operator and

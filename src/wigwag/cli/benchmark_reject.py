@@ -16,7 +16,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RejectBenchmark:
-    """Teach some of UTD-MHAD's classes by some people and show others all classes: who is let through?"""
+    """Teach some of UTD-MHAD's classes by some people and show others all classes: who is let through?
+
+    Example: wigwag benchmark reject --data UTD-MHAD --json reject.json
+    """
 
     data: Path
     """Folder with Skeleton.zip (or the zip file, or a folder with Skeleton/*.mat)."""

@@ -8,7 +8,10 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class SmoothBenchmark:
-    """Send UTD-MHAD's fast swings, and people at rest, through the pose filter."""
+    """Send UTD-MHAD's fast swings, and people at rest, through the pose filter.
+
+    Example: wigwag benchmark smooth --data UTD-MHAD --json smooth.json
+    """
 
     data: Path
     """Folder with Skeleton.zip (or Skeleton/*.mat)."""
@@ -48,17 +51,20 @@ class SmoothBenchmark:
             "heels, mm",
         ):
             table.add_column(column, justify="right")
-        for row in measure_smooth(self.data, config):
-            records.add(**row, distance_m=self.distance_m)
-            table.add_row(
-                row["filter"],
-                f"{row['rate_hz']:g}",
-                *(
-                    " / ".join(f"{scale * row[f'{name}_{part}']:.1f}" for part in ("median", "p95", "max"))
-                    for name, scale in (("lag_ms", 1), ("overshoot", 100), ("speed_overshoot", 100))
-                ),
-                *(f"{row[n]:.1f}" for n in ("rms_mm", "rest_rms_mm", "rest_jitter_mm", "heel_rms_mm")),
-            )
+        with console.status("filtering the recordings"):
+            for row in measure_smooth(self.data, config):
+                records.add(**row, distance_m=self.distance_m)
+                table.add_row(
+                    row["filter"],
+                    f"{row['rate_hz']:g}",
+                    *(
+                        " / ".join(
+                            f"{scale * row[f'{name}_{part}']:.1f}" for part in ("median", "p95", "max")
+                        )
+                        for name, scale in (("lag_ms", 1), ("overshoot", 100), ("speed_overshoot", 100))
+                    ),
+                    *(f"{row[n]:.1f}" for n in ("rms_mm", "rest_rms_mm", "rest_jitter_mm", "heel_rms_mm")),
+                )
         console.print(table)
         if self.json is not None:
             console.print(f"Records: {self.json}")

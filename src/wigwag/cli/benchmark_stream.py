@@ -28,7 +28,10 @@ Fault = Literal["missing", "jitter", "gap", "swapped", "stranger", "nan", "all"]
 
 @dataclass(frozen=True)
 class StreamBenchmark:
-    """Let a taught system watch hours of poses: gestures of people it never met, everyday life between."""
+    """Let a taught system watch hours of poses: gestures of people it never met, everyday life between.
+
+    Example: wigwag benchmark stream --data-dir DATA --json stream.json
+    """
 
     data_dir: Path
     """Folder with utd_mhad, and utkinect, precog and msrc12 as far as you have them."""

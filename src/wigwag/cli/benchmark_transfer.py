@@ -12,7 +12,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class TransferBenchmark:
-    """Recognise MSR-Action3D's 20 actions, leaving one person out at a time; no setting is touched."""
+    """Recognise MSR-Action3D's 20 actions, leaving one person out at a time; no setting is touched.
+
+    Example: wigwag benchmark transfer --data MSR-Action3D --json transfer.json
+    """
 
     data: Path
     """File msr_action3d*.npz, its folder, or the folder or zip file of the official *_skeleton3D.txt."""

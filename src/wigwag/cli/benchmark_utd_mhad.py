@@ -18,7 +18,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class UtdMhadBenchmark:
-    """Recognise UTD-MHAD's clips as the paper does, and with people kept apart."""
+    """Recognise UTD-MHAD's clips as the paper does, and with people kept apart.
+
+    Example: wigwag benchmark utd-mhad --data UTD-MHAD --json utd.json
+    """
 
     data: Path
     """Folder with Skeleton.zip (or the zip file, or a folder with Skeleton/*.mat)."""

@@ -127,7 +127,10 @@ class Migrate:
 
 @dataclass(frozen=True)
 class Clips:
-    """Work on recorded clips: convert them from and to other forms, bring older ones forward."""
+    """Work on recorded clips: convert them from and to other forms, bring older ones forward.
+
+    Example: wigwag clips convert clips clips.parquet
+    """
 
     clips: tyro.conf.OmitArgPrefixes[
         tyro.conf.OmitSubcommandPrefixes[

@@ -43,6 +43,7 @@ class Demo:
     """Fly a simulated drone by the gestures of a simulated operator; every pose comes from rendered pixels.
 
     Writes summary.json, report.html and demo.mp4. Example: wigwag demo --seed 2 --out out
+
     With gestures of your own: wigwag demo --model mine.wigwag --gestures goalpost --commands goalpost=orbit
     """
 
@@ -86,6 +87,8 @@ class Demo:
         from rich.console import Console
         from threadpoolctl import threadpool_limits
 
+        if not self.duration > 0:
+            raise InputError(f"--duration must be above 0 seconds, but got {self.duration:g}.")
         if not 0 <= self.seed < 1_000_000:
             raise InputError(
                 f"--seed must be from 0 to 999999, but got {self.seed}; above are training people."

@@ -34,6 +34,10 @@ def fly_recorded(demo: Demo, console: Console, onlookers: Onlookers) -> dict[str
     from wigwag.evaluate.recorded import SHOWN
     from wigwag.sim.script import ScriptConfig, plan_replays
 
+    if demo.data is not None and not demo.data.exists():  # before processes are started that find it out
+        raise InputError(
+            f"--data {demo.data}: no such file or folder. Expected UTD-MHAD's Skeleton.zip or Skeleton/."
+        )
     if demo.data is None:
         raise InputError("--motion utd-mhad needs --data: UTD-MHAD's folder (Skeleton.zip or Skeleton/).")
     recogniser, six_classes, estimator, clips, model = _taught(demo.data, demo.recognizer, console)

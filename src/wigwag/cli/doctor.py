@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import importlib
 import importlib.metadata
-import json as json_format
 import os
 import platform
 import re
+import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -22,6 +22,10 @@ State = Literal["ok", "missing", "optional"]
 _IMPORTS = {"opencv-python-headless": "cv2", "scikit-learn": "sklearn"}
 """Modules that are not named as their package is."""
 _RUNS = 15
+_LOADING_S = 120.0
+_PYTHON = ".".join(map(str, sys.version_info[:2]))
+_NO_MODULES = ("test", "tests", "docs", "examples")
+"""What some packages install beside themselves."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +44,10 @@ class Finding:
 
 @dataclass(frozen=True)
 class Doctor:
-    """Say what works here, what is missing, and how to get it. Exit code 1 if something needed is missing."""
+    """Say what works here, what is missing, and how to get it. Exit code 1 if something needed is missing.
+
+    Example: wigwag doctor --fetch
+    """
 
     fetch: bool = False
     """Fetch the pose networks now if they are not on this machine yet."""
@@ -55,7 +62,14 @@ class Doctor:
         """Check everything; return 0 if all that is needed works, else 1."""
         from rich.console import Console
 
+        from wigwag.evaluate.records import Records
+
         console = Console(stderr=True)
+        if self.picture is not None and not self.picture.exists():
+            raise InputError(
+                f"--picture {self.picture}: there is no such file. Name a picture, such as photo.jpg."
+            )
+        records = Records(self.json, "wigwag doctor", None)
         findings: list[Finding] = []
         with console.status("looking around"):
             findings += check_system()
@@ -65,8 +79,8 @@ class Doctor:
         with console.status("trying the pose network"):
             findings += self._check_pose()
         _show(findings)
-        if self.json:
-            _write_json(self.json, findings)
+        for finding in findings:
+            records.add(**asdict(finding))
         return 1 if any(finding.state == "missing" for finding in findings) else 0
 
     def _check_models(self) -> Iterator[Finding]:
@@ -154,7 +168,7 @@ def check_packages(requirements: list[str] | None = None) -> Iterator[Finding]:
 
 
 def check_extras(requirements: list[str] | None = None) -> Iterator[Finding]:
-    """Say which extras are installed; none is needed, and what is installed is not imported.
+    """Say which extras are installed and load; none is needed.
 
     Args:
         requirements: Requirement lines; by default those that wigwag's own installation names.
@@ -164,17 +178,80 @@ def check_extras(requirements: list[str] | None = None) -> Iterator[Finding]:
     extras: dict[str, list[str]] = {}
     for line in requirements:
         if extra := re.search(r"extra\s*==\s*['\"]([^'\"]+)['\"]", line):
-            extras.setdefault(extra.group(1), []).append(re.split(r"[^A-Za-z0-9._-]", line, maxsplit=1)[0])
-    for extra_name, packages in extras.items():
-        there, missing = [], []
-        for name in packages:
-            try:
-                there.append(f"{name} {importlib.metadata.version(name)}")
-            except importlib.metadata.PackageNotFoundError:
-                missing.append(name)
-        detail = ", ".join(there) if not missing else f"not installed: {', '.join(missing)}"
-        fix = f"python -m pip install 'wigwag[{extra_name}]'" if missing else ""
-        yield Finding(f"extra {extra_name}", "optional" if missing else "ok", detail, fix)
+            extras.setdefault(extra.group(1), []).append(line)
+    for name, lines in extras.items():
+        yield _extra(name, lines)
+
+
+def _extra(name: str, lines: list[str]) -> Finding:
+    check, there, missing, elsewhere = f"extra {name}", [], [], ""
+    for line in lines:
+        package = re.split(r"[^A-Za-z0-9._-]", line, maxsplit=1)[0]
+        try:
+            there.append(f"{package} {importlib.metadata.version(package)}")
+        except importlib.metadata.PackageNotFoundError:
+            only = re.search(r"python_version\s*==\s*['\"]([^'\"]+)['\"]", line)
+            if only and only[1] != _PYTHON:
+                elsewhere = only[1]
+            else:
+                missing.append(package)
+    if missing:
+        fix = f"python -m pip install 'wigwag[{name}]'"
+        return Finding(check, "optional", f"not installed: {', '.join(missing)}", fix)
+    if elsewhere:
+        return Finding(
+            check, "optional", f"its packages exist for Python {elsewhere} alone; here is {_PYTHON}"
+        )
+    trouble = _trouble_loading(name, [entry.split()[0] for entry in there])
+    if trouble:
+        fix = f"python -m pip install --force-reinstall 'wigwag[{name}]'"
+        return Finding(check, "optional", f"{', '.join(there)}, but {trouble}", fix)
+    return Finding(check, "ok", ", ".join(there))
+
+
+def _trouble_loading(extra: str, packages: list[str]) -> str:
+    """Import packages in a process of its own, whose memory and crashes go with it; say what went wrong."""
+    modules = sorted(
+        module
+        for module, owners in importlib.metadata.packages_distributions().items()
+        if module.isidentifier()
+        and not module.startswith("_")
+        and module not in _NO_MODULES
+        and any(_same(owner, package) for owner in owners for package in packages)
+    )
+    code = "import importlib, sys\nfor name in sys.argv[1:]: importlib.import_module(name)"
+    if extra == "realsense":  # it needs libusb loaded before it
+        code, modules = "from wigwag.camera.extras import load_realsense as load; load('doctor')", []
+    try:
+        done = subprocess.run(
+            [sys.executable, "-c", code, *modules],
+            capture_output=True,
+            text=True,
+            timeout=_LOADING_S,
+            check=False,
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return f"it cannot be imported ({error})"
+    if done.returncode == 0:
+        return ""
+    said = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
+    return f"it cannot be imported ({said[-1]})"
+
+
+def _same(one: str, other: str) -> bool:
+    """Say whether two names are one package's."""
+    return re.sub(r"[-_.]+", "-", one).lower() == re.sub(r"[-_.]+", "-", other).lower()
+
+
+def install_line(findings: list[Finding]) -> str:
+    """Return the one line that installs all extras that are not here; empty if there is none.
+
+    Example:
+        >>> install_line([Finding("extra view", "optional", "", "..."), Finding("extra bags", "ok", "")])
+        "python -m pip install 'wigwag[view]'"
+    """
+    names = [f.check.removeprefix("extra ") for f in findings if f.check.startswith("extra ") and f.fix]
+    return f"python -m pip install 'wigwag[{','.join(names)}]'" if names else ""
 
 
 def _median_ms(call: Callable[[], object]) -> float:
@@ -203,19 +280,10 @@ def _show(findings: list[Finding]) -> None:
     for finding in findings:
         if finding.fix:
             console.print(Text(f"{finding.check}: {finding.fix}"), soft_wrap=True)
+    if line := install_line(findings):
+        console.print(Text(f"All extras that are not here: {line}"), soft_wrap=True)
     missing = sum(finding.state == "missing" for finding in findings)
     console.print(Text("All that is needed works here." if not missing else f"{missing} needed: see above."))
 
 
-def _write_json(path: Path, findings: list[Finding]) -> None:
-    from wigwag import __version__
-
-    tail = {"command": "doctor", "seed": None, "version": __version__}
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json_format.dumps([asdict(f) | tail for f in findings], indent=1) + "\n")
-    except OSError as error:
-        raise InputError(f"{path}: the records cannot be written ({error.strerror}).") from error
-
-
-__all__ = ["Doctor", "Finding", "check_extras", "check_packages", "check_system"]
+__all__ = ["Doctor", "Finding", "check_extras", "check_packages", "check_system", "install_line"]

@@ -84,6 +84,7 @@ class Fly:
 
         console = Console()
         config, commands = self.settings(), self.mapping()
+        self._check_vehicle()
         if parse_camera(self.camera).kind != "sim" and self.model is None:
             raise InputError("--model is missing: a real operator's gestures have to be taught first.")
         if self.record is not None:
@@ -139,6 +140,12 @@ class Fly:
             movement=bounds,
             supervisor=SupervisorConfig(fence=fence, ceiling_m=self.ceiling),
         )
+
+    def _check_vehicle(self) -> None:
+        """Tell a wrong address before anything is taught or opened."""
+        from wigwag.drones import parse_vehicle
+
+        parse_vehicle(self.vehicle)
 
     def mapping(self) -> dict[str, Command]:
         """Return which label commands what.

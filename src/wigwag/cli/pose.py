@@ -20,7 +20,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class PoseCommand:
-    """Find a whole body in each picture, draw it, and write its 33 landmarks as JSON."""
+    """Find a whole body in each picture, draw it, and write its 33 landmarks as JSON.
+
+    Example: wigwag pose photo.jpg --out drawn --json bodies.json
+    """
 
     images: tyro.conf.Positional[tuple[Path, ...]]
     """Pictures: JPEG, PNG, or whatever else OpenCV reads."""

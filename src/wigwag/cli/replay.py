@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json as json_format
+import shlex
 import tempfile
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
@@ -16,6 +16,7 @@ from wigwag.errors import InputError
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from wigwag.evaluate.records import Records
     from wigwag.record.flight import Flight
     from wigwag.record.replay import Comparison
     from wigwag.stream.models import Taught
@@ -42,17 +43,19 @@ class ReplayCommand:
     --record-depth. Pictures kept as JPEG lose detail: only --record-pictures png gives the same poses."""
     models_dir: tyro.conf.Suppress[Path | None] = None
     json: Path | None = None
-    """File for the figures and all differences."""
+    """File for the figures: one record of all, one a difference."""
 
     def run(self) -> int:
         """Replay and compare; return 0 if all is the same, else 1."""
         from rich.console import Console
         from threadpoolctl import threadpool_limits
 
+        from wigwag.evaluate.records import Records
         from wigwag.record.flight import Flight
         from wigwag.record.replay import Comparison, Replay
         from wigwag.stream.listener import listening
 
+        records = Records(self.json, self._command(), None)
         console, compared = Console(), Comparison()
         with threadpool_limits(1):
             flight = Flight.open(self.flight)
@@ -69,11 +72,14 @@ class ReplayCommand:
         if not compared.turns:
             raise InputError(f"{self.flight}: holds not one whole turn.")
         self._account(console, compared, spent_s, taught is not None)
+        self._note(records, compared, spent_s)
         return 0 if compared.same else 1
 
-    def _account(self, console: Console, compared: Comparison, spent_s: float, heard: bool) -> None:
-        from wigwag import __version__
+    def _command(self) -> str:
+        words = ["wigwag", "replay", str(self.flight), "--from", self.source]
+        return shlex.join(words if self.model is None else [*words, "--model", str(self.model)])
 
+    def _account(self, console: Console, compared: Comparison, spent_s: float, heard: bool) -> None:
         times = compared.duration_s / max(spent_s, 1e-9)
         console.print(
             f"{compared.turns} turns, {compared.duration_s:.1f} s of flight, decided again in "
@@ -83,18 +89,18 @@ class ReplayCommand:
         if not heard:
             console.print("No model is in the file: gestures are those that were heard then.")
         show(console, compared)
-        if self.json is not None:
-            figures: dict[str, Any] = asdict(compared) | {
-                "command": f"wigwag replay {self.flight}", "flight": str(self.flight), "from": self.source,
-                "model": None if self.model is None else str(self.model), "same": compared.same,
-                "duration_s": compared.duration_s, "spent_s": spent_s, "times_real_time": times,
-                "seed": None, "version": __version__,
-            }  # fmt: skip
-            try:
-                self.json.parent.mkdir(parents=True, exist_ok=True)
-                self.json.write_text(json_format.dumps(figures, indent=1) + "\n", encoding="utf-8")
-            except OSError as error:
-                raise InputError(f"{self.json}: cannot be written ({error.strerror}).") from error
+
+    def _note(self, records: Records, compared: Comparison, spent_s: float) -> None:
+        figures = {field.name: getattr(compared, field.name) for field in fields(compared)}
+        differences = figures.pop("differences")
+        records.add(
+            kind="all", flight=str(self.flight), source=self.source,
+            model=None if self.model is None else str(self.model),
+            **figures, same=compared.same, duration_s=compared.duration_s, spent_s=spent_s,
+            times_real_time=compared.duration_s / max(spent_s, 1e-9),
+        )  # fmt: skip
+        for one in differences:
+            records.add(kind="difference", **asdict(one))
 
 
 def taught_in(flight: Flight, other: Path | None = None) -> Taught | None:

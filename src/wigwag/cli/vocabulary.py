@@ -22,6 +22,8 @@ class Vocabulary:
     """Say which of your gestures are too alike, look like everyday movement, or are never decided early.
 
     Exit code 1: something is too alike.
+
+    Example: wigwag vocabulary check clips --out pictures
     """
 
     action: tyro.conf.Positional[Literal["check"]] = "check"

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json as json_format
+import shlex
 import time
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from wigwag.cli.looking import Looking
 from wigwag.errors import InputError
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from wigwag.camera.protocol import Camera
+    from wigwag.evaluate.records import Records
     from wigwag.pose.estimator import PoseEstimator
     from wigwag.view.onlookers import Onlookers
     from wigwag.view.watching import Meter
@@ -43,13 +44,18 @@ class Watch:
         """Watch to the end of the stream; return 0."""
         from rich.console import Console
 
+        from wigwag.camera.address import hide_password
         from wigwag.cameras import open_camera
+        from wigwag.evaluate.records import Records
         from wigwag.pose.estimator import PoseConfig, PoseEstimator
         from wigwag.pose.operator import OperatorConfig
         from wigwag.view.watching import Meter
 
         if self.duration_s is not None and not self.duration_s > 0:
             raise InputError(f"--duration-s must be above 0, but got {self.duration_s}.")
+        records = Records(
+            self.json, shlex.join(["wigwag", "watch", "--camera", hide_password(self.camera)]), None
+        )
         console, meter = Console(), Meter()
         with ExitStack() as stack:
             onlookers = stack.enter_context(self.looking.open(console, flies=False))
@@ -60,7 +66,7 @@ class Watch:
             except KeyboardInterrupt:
                 console.print("stopped")
             finally:
-                self._account(console, meter, camera)
+                self._account(console, meter, records)
         return 0
 
     def _watch(
@@ -111,9 +117,7 @@ class Watch:
                 if self.duration_s is not None and (glimpse.now_ns - began_ns) * 1e-9 >= self.duration_s:
                     return
 
-    def _account(self, console: Console, meter: Meter, camera: Camera) -> None:
-        from wigwag import __version__
-
+    def _account(self, console: Console, meter: Meter, records: Records) -> None:
         figures = meter.account()
         found, rate = figures["operator_found"], figures["rate_hz"]
         if found is None:
@@ -125,14 +129,8 @@ class Watch:
             if figures["latency_ms_median"] is not None:
                 text += f", {figures['latency_ms_median']:.0f} ms after the picture (median)"
             console.print(text + ".")
-        if self.json:
-            record: dict[str, Any] = {"command": f"wigwag watch --camera {camera.address}", **figures}
-            record |= {"seed": None, "version": __version__}
-            try:
-                self.json.parent.mkdir(parents=True, exist_ok=True)
-                self.json.write_text(json_format.dumps([record], indent=1) + "\n", encoding="utf-8")
-            except OSError as error:
-                raise InputError(f"{self.json}: cannot be written ({error.strerror}).") from error
+        sights = {f"sight_{name}": turns for name, turns in figures.pop("sights").items()}
+        records.add(**figures, **sights)
 
 
 def _is_live(camera: Camera) -> bool:

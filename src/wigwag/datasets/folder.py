@@ -120,8 +120,8 @@ def load_folder(root: str | Path) -> Loaded:
         except DataError as error:
             left_out.append((str(path.relative_to(root)), str(error).removeprefix(f"{path}: ")))
     if not clips:
-        why = f"; first of {len(left_out)} left out: {': '.join(left_out[0])}" if left_out else ""
-        raise DataError(f"{root}: holds no usable clip{why} Expected <label>/<name>.json, one file a clip.")
+        why = f"; first of {len(left_out)} left out: {': '.join(left_out[0]).rstrip('.')}" if left_out else ""
+        raise DataError(f"{root}: holds no usable clip{why}. Expected <label>/<name>.json, one file a clip.")
     return Loaded(clips, left_out)
 
 

@@ -23,13 +23,13 @@ class Records:
     Args:
         path: Where the JSON list goes; ``None``: nowhere.
         command: What to type to run this benchmark again.
-        seed: The first seed; every random choice follows from it.
+        seed: The first seed; every random choice follows from it. ``None``: nothing is chosen.
 
     Raises:
         InputError: If the path is a folder or cannot be written.
     """
 
-    def __init__(self, path: Path | None, command: str, seed: int) -> None:
+    def __init__(self, path: Path | None, command: str, seed: int | None) -> None:
         from wigwag import __version__
 
         self.rows: list[dict[str, Any]] = []
