@@ -12,7 +12,6 @@ from wigwag.errors import InputError, ModelError
 from wigwag.skeleton import Pose
 from wigwag.stream import teach_moments as teaching
 from wigwag.stream.listener import listening
-from wigwag.stream.models import load_model
 from wigwag.stream.moments import MomentConfig, MomentModel, MomentStream
 from wigwag.stream.teach import teach_stream
 from wigwag.stream.teach_moments import teach_moments
@@ -104,9 +103,8 @@ def test_what_is_no_command_is_not_said(model: MomentModel) -> None:
 
 def test_a_model_comes_back_as_it_was(model: MomentModel, tmp_path: Path) -> None:
     model.save(tmp_path / "moments.wigwag")
-    again, labels = load_model(tmp_path / "moments.wigwag")
-    assert labels == tuple(sorted(GESTURES))
-    assert isinstance(again, MomentModel)
+    again = MomentModel.load(tmp_path / "moments.wigwag")
+    assert again.labels == tuple(sorted(GESTURES))
     poses = session(11, rounds=1).poses()
     heard = listening(again)
     assert isinstance(heard, MomentStream)

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, Int
 
+from wigwag.errors import InputError
 from wigwag.recognise.similarity import Sides
 from wigwag.skeleton import Clip, Pose
 from wigwag.stream.assemble import at_rate
@@ -51,6 +52,9 @@ class Lesson:
         streams: With their truth.
         origin: Of the canonical form.
         seed: Of what is drawn.
+
+    Raises:
+        InputError: If a showing is an action point, which has no beginning.
     """
 
     def __init__(self, streams: Sequence[LabelledStream], origin: Origin = "start", seed: int = 0) -> None:
@@ -59,6 +63,11 @@ class Lesson:
         self.seed = seed
         self.model = PrefixModel(origin)
         self.truth = [one.showings for one in self.streams]
+        if any(showing.is_point for truth in self.truth for showing in truth):
+            raise InputError(
+                "teach_stream needs to know where gestures begin and end, but a showing is an action point; "
+                "teach those with teach_moments."
+            )
         self.fold = self._folds()
 
     def learn(self, config: StreamConfig) -> StreamModel:

@@ -8,22 +8,13 @@ from wigwag.errors import ModelError
 from wigwag.recognise import EncodedRecognizer, HeavyRecognizer, KernelRecognizer
 from wigwag.recognise.store import kind_of
 from wigwag.stream.gesture_stream import StreamModel
-from wigwag.stream.moments import MomentModel
 
-Taught = StreamModel | MomentModel | KernelRecognizer | HeavyRecognizer | EncodedRecognizer
+Taught = StreamModel | KernelRecognizer | HeavyRecognizer | EncodedRecognizer
 
 _KINDS: dict[
-    str,
-    type[StreamModel]
-    | type[MomentModel]
-    | type[KernelRecognizer]
-    | type[HeavyRecognizer]
-    | type[EncodedRecognizer],
+    str, type[StreamModel] | type[KernelRecognizer] | type[HeavyRecognizer] | type[EncodedRecognizer]
 ]
-_KINDS = {
-    kind.__name__: kind
-    for kind in (StreamModel, MomentModel, KernelRecognizer, HeavyRecognizer, EncodedRecognizer)
-}
+_KINDS = {kind.__name__: kind for kind in (StreamModel, KernelRecognizer, HeavyRecognizer, EncodedRecognizer)}
 
 
 def load_model(path: str | PathLike[str]) -> tuple[Taught, tuple[str, ...]]:
@@ -39,10 +30,9 @@ def load_model(path: str | PathLike[str]) -> tuple[Taught, tuple[str, ...]]:
     if name not in _KINDS:
         raise ModelError(f"{path}: holds a {name}, but expected one of {', '.join(_KINDS)}.")
     model = _KINDS[name].load(path)
-    if not isinstance(model, StreamModel | MomentModel):
+    if not isinstance(model, StreamModel):
         return model, tuple(str(label) for label in model.classes_ if label is not None)
-    known = model.labels if isinstance(model, MomentModel) else model.prefixes.labels
-    spoken = model.config.commands if model.config.commands is not None else known
+    spoken = model.config.commands if model.config.commands is not None else model.prefixes.labels
     return model, tuple(str(label) for label in spoken if label is not None)
 
 

@@ -55,8 +55,7 @@ def teach_stream(
             :class:`~wigwag.features.canonical.CanonicalForm`.
 
     Raises:
-        InputError: If there is no labelled gesture, a command that nobody shows, or an action point, which
-            has no beginning.
+        InputError: If there is no labelled gesture, or a command that nobody shows.
 
     Example:
         >>> import numpy as np
@@ -72,11 +71,6 @@ def teach_stream(
         >>> said = [gesture.label for pose in poses if (gesture := stream.update(pose)) is not None]
     """
     config = config or StreamConfig()
-    if any(showing.is_point for one in streams for showing in one.showings):
-        raise InputError(
-            "teach_stream needs to know where gestures begin and end, but a showing is an action point; "
-            "teach those with teach_moments."
-        )
     rng = np.random.default_rng(random_state)
     labelled = [clip for clip in clips if clip.label is not None]
     others = [*background, *(clip for clip in clips if clip.label is None)]
