@@ -11,6 +11,7 @@ import pytest
 
 from wigwag.camera.fresh import fresh
 from wigwag.errors import CameraError, InputError
+from wigwag.fly.operator import Mount
 from wigwag.fly.values import Setpoint, VehicleState
 from wigwag.rig import open_rig
 from wigwag.sim.autopilot_server import AutopilotServer
@@ -86,6 +87,12 @@ def test_a_mounted_camera_sees_the_operator_ahead_of_wherever_the_vehicle_stands
     assert middle_of(source.read())[1] == pytest.approx(3.8, abs=0.3), "one metre nearer"
     carrier.move(heading_rad=math.radians(110))
     assert middle_of(source.read())[0] > 380, "turned to the left, the operator is to the right"
+    tilted = Carrier()
+    low = tilted.source(mount=Mount(pitch_down_rad=math.radians(20)))
+    low.open()
+    low.read()
+    tilted.move(position_m=np.array([7.0, -3.0, 3.0]))
+    assert middle_of(low.read())[1] == pytest.approx(4.8, abs=0.4), "looking down, it sees them from 3 m"
 
 
 def test_a_mounted_camera_ends_with_the_duration_and_tells_of_a_silent_vehicle() -> None:
@@ -104,6 +111,41 @@ def test_a_mounted_camera_ends_with_the_duration_and_tells_of_a_silent_vehicle()
         stuck.read()
     stuck.interrupt()
     stuck.close()
+
+
+def read_until(source: MountedSource, carrier: Carrier, seconds: float) -> None:
+    end_ns = carrier.state.stamp_ns + round(seconds * S)
+    while carrier.state.stamp_ns < end_ns and source.read() is not None:
+        pass
+
+
+def test_the_operator_asks_again_until_the_vehicle_is_up_and_then_goes_on() -> None:
+    """A hand that was raised while the checklist was gone through used to be the only one."""
+    carrier = Carrier()
+    carrier.move(armed=False)
+    source = carrier.source(rate_hz=3.0)
+    source.open()
+    read_until(source, carrier, 40.0)
+    asked = len(source.shown)
+    assert asked >= 6 and source.shown[:4] == ("engage", "take_off", "engage", "take_off")
+    carrier.move(armed=True, velocity_m_s=np.array([0.0, 0.0, 0.8]), position_m=np.array([7.0, -3.0, 1.4]))
+    read_until(source, carrier, 14.0)
+    assert len(source.shown) > asked, "it climbs still"
+    asked = len(source.shown)
+    carrier.move(velocity_m_s=np.zeros(3))
+    read_until(source, carrier, 14.0)
+    assert len(source.shown) > asked + 20, "all the rest"
+    assert "land" in source.shown
+
+
+def test_an_operator_whom_nothing_obeys_gives_up() -> None:
+    carrier = Carrier()
+    carrier.move(armed=False)
+    source = carrier.source(rate_hz=1.0, engage=False)
+    source.open()
+    read_until(source, carrier, 600.0)
+    assert source.read() is None
+    assert set(source.shown) == {"take_off"}
 
 
 def test_a_simulated_camera_rides_on_an_autopilot_over_udp() -> None:

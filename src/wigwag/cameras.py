@@ -171,23 +171,29 @@ def simulated(address: Address) -> SimulatedCameraConfig:
     Raises:
         InputError: If the address has a target, or an option is wrong.
     """
-    from wigwag.sim.camera import SimulatedCameraConfig
+    from wigwag.sim.camera import PERFORMING_M, SimulatedCameraConfig
 
     if address.target:
         raise InputError(f"sim: takes options only, such as sim:?seed=2, but got {address.target!r}.")
     default = SimulatedCameraConfig()
+    perform = tuple(name for name in address.text("perform").split(",") if name)
     return SimulatedCameraConfig(
         seed=address.whole("seed", default.seed),
-        distance_m=address.number("distance_m", default.distance_m),
+        distance_m=address.number("distance_m", PERFORMING_M if perform else default.distance_m),
         rate_hz=address.number("rate_hz", default.rate_hz),
         duration_s=address.number("duration_s", 0.0) if "duration_s" in address.options else None,
         noise=address.flag("noise", default.noise),
-        engage=address.flag("engage", default.engage),
+        engage=address.flag("engage", default.engage and not perform),
         passersby=address.whole("passersby", default.passersby),
         light=address.number("light", default.light),
         turned_deg=address.number("turned_deg", default.turned_deg),
         near=address.whole("near", default.near),
         wall=address.flag("wall", default.wall),
+        person=address.whole("person", 0) if "person" in address.options else None,
+        perform=perform,
+        times=address.whole("times", default.times),
+        pause_s=address.number("pause_s", default.pause_s),
+        tripod=address.flag("tripod", bool(perform)),
     )
 
 
@@ -202,7 +208,7 @@ def _never(address: Address) -> bool:
 _LENS = ("hfov_deg", "intrinsics")
 _SIM = (
     "seed", "distance_m", "rate_hz", "duration_s", "noise", "engage", "passersby", "light", "turned_deg",
-    "near", "wall",
+    "near", "wall", "person", "perform", "times", "pause_s", "tripod",
 )  # fmt: skip
 _FORMS: dict[str, Form] = {
     "webcam": Form(

@@ -12,6 +12,7 @@ from wigwag.camera.playback import Playback
 from wigwag.camera.protocol import Camera
 from wigwag.cameras import open_camera, parse_camera, simulated
 from wigwag.drones import open_vehicle
+from wigwag.fly.operator import Mount
 from wigwag.vehicles.protocol import Vehicle
 
 PARKED_M = 5.6
@@ -35,7 +36,7 @@ class Rig:
 
 
 @contextmanager
-def open_rig(camera: str, vehicle: str) -> Iterator[Rig]:
+def open_rig(camera: str, vehicle: str, mount: Mount | None = None) -> Iterator[Rig]:
     """Open a camera and connect a vehicle; both are let go of at the end.
 
     Simulated both, they are one world, in which time passes with the frames. A simulated camera alone rides
@@ -45,6 +46,7 @@ def open_rig(camera: str, vehicle: str) -> Iterator[Rig]:
     Args:
         camera: Its address; see docs/cameras.md.
         vehicle: Its address; see docs/vehicles.md.
+        mount: How a simulated camera sits on the vehicle.
 
     Raises:
         InputError: If an address is of no known form, or an option is wrong.
@@ -52,14 +54,15 @@ def open_rig(camera: str, vehicle: str) -> Iterator[Rig]:
         VehicleError: If the vehicle cannot be reached.
         MissingExtraError: If one of them needs a package that is not installed.
     """
+    mount = mount or Mount()
     simulated_camera = parse_camera(camera).kind == "sim"
     if simulated_camera and vehicle.partition(":")[0] == "sim":
-        yield from _world(camera, vehicle)
+        yield from _world(camera, vehicle, mount)
         return
     flown = open_vehicle(vehicle)
     flown.connect()
     try:
-        opened = _mounted(camera, flown) if simulated_camera else open_camera(camera)
+        opened = _mounted(camera, flown, mount) if simulated_camera else open_camera(camera)
         with opened:
             live = isinstance(opened, LiveCamera)
             now_ns = time.monotonic_ns if live else lambda: opened.now_ns
@@ -68,13 +71,13 @@ def open_rig(camera: str, vehicle: str) -> Iterator[Rig]:
         flown.close()
 
 
-def _world(camera: str, vehicle: str) -> Iterator[Rig]:
+def _world(camera: str, vehicle: str, mount: Mount) -> Iterator[Rig]:
     from wigwag.sim.camera import SimulatedSource
     from wigwag.sim.world import World
 
     open_vehicle(vehicle)  # its address is checked; the drone is the world's own
     address = parse_camera(camera)
-    config = replace(simulated(address), parked=True)
+    config = replace(simulated(address), parked=True, mount=mount)
     if "distance_m" not in address.options:
         config = replace(config, distance_m=PARKED_M)
     source = SimulatedSource(config, endless=True)
@@ -92,11 +95,11 @@ def _world(camera: str, vehicle: str) -> Iterator[Rig]:
         yield Rig(opened, world.vehicle, lambda: world.now_ns, lambda: source.shown, live=False)
 
 
-def _mounted(camera: str, vehicle: Vehicle) -> Camera:
+def _mounted(camera: str, vehicle: Vehicle, mount: Mount) -> Camera:
     from wigwag.sim.mounted import MountedSource
 
     address = parse_camera(camera)
-    config = simulated(address)
+    config = replace(simulated(address), mount=mount)
     if "distance_m" not in address.options:
         config = replace(config, distance_m=PARKED_M)
     return LiveCamera(MountedSource(config, lambda: vehicle.state))

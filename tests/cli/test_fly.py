@@ -24,11 +24,14 @@ from wigwag.evaluate.prompted import Nobody, Prompter
 from wigwag.fly.limits import SupervisorConfig
 from wigwag.fly.situation import Mode
 from wigwag.fly.values import Command
-from wigwag.journal import Journal, decide_again
 from wigwag.pilot import Pilot
+from wigwag.record.flight import Flight
+from wigwag.record.recorder import Recorder
+from wigwag.record.replay import Comparison, Replay
 from wigwag.rig import Rig
 from wigwag.sim.response import Response, ResponseConfig
 from wigwag.sim.sketch import SketchWorld
+from wigwag.stream import models
 from wigwag.vehicles import FlightMode
 from wigwag.vehicles.dry import DryVehicle
 
@@ -59,7 +62,7 @@ class SketchCamera:
 class Bench:
     """A flight in a sketched world, by the loop of ``wigwag fly``."""
 
-    def __init__(self, journal: Path | None = None, dry: bool = False, **ends: Any) -> None:
+    def __init__(self, record: Path | None = None, dry: bool = False, **ends: Any) -> None:
         airframe = Response(ResponseConfig(position_m=(0.0, 0.0, 0.0)), 2)
         self.world = SketchWorld(airframe, lambda t: (4.5, 0.2), seed=2)
         self.camera = SketchCamera(self.world)
@@ -69,7 +72,7 @@ class Bench:
         pilot = Pilot(self.world, Nobody(), self.dry or vehicle, clock=lambda: 0.0, in_the_air=Mode.HOLDING)
         self.prompter = pilot.spotter = Prompter()  # type: ignore[assignment]
         self.console = Console(record=True, width=120, file=io.StringIO())
-        book = None if journal is None else Journal(journal)
+        book = None if record is None else Recorder(record, pilot, patient=True)
         self.flying = Flying(self.console, self.rig, pilot, book, **ends)
 
     def says(self, when_s: float, command: Command) -> None:
@@ -77,15 +80,18 @@ class Bench:
 
 
 def test_a_flight_to_its_end_is_written_down_and_ends_holding(tmp_path: Path) -> None:
-    path = tmp_path / "flight.jsonl"
+    path = tmp_path / "flight.mcap"
     bench = Bench(path, duration_s=9.0)
     bench.says(1.5, Command.TAKE_OFF)
     assert bench.flying.fly() == 0
     assert bench.world.vehicle.mode is FlightMode.HOLDING
     assert "it is up: following" in bench.console.export_text()
-    turns = list(decide_again(path))
-    assert all(then == now and sent == again for then, sent, now, again in turns)
-    assert turns[-1][0].mode is Mode.HOLDING
+    compared, last = Comparison(), Mode.DISARMED
+    for then, now in Replay(Flight.open(path)):
+        compared.note(then, now)
+        last = then.turn.verdict.mode
+    assert compared.same and compared.turns > 270
+    assert last is Mode.HOLDING
 
 
 def test_it_lands_on_exit_if_asked() -> None:
@@ -148,7 +154,9 @@ def quiet(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Nothing is taught and no network is read for what fails before."""
     from wigwag.cli import fly
 
-    monkeypatch.setattr(fly.Fly, "_taught", lambda self, stack: (Nobody(), ("stop", "land")))
+    monkeypatch.setattr(fly.Fly, "model_file", lambda self, stack: Path("none"))
+    monkeypatch.setattr(models, "load_model", lambda path: (Nobody(), ("stop", "land")))
+    monkeypatch.setattr(models, "warm_up", lambda model: None)
     monkeypatch.setattr(fly.Fly, "_pose", lambda self: lambda frame: None)
     yield
 
@@ -160,6 +168,7 @@ def quiet(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         (["--commands", "a6=dance"], "takes LABEL=COMMAND"),
         (["--fence", "1", "2", "3"], "--fence needs a radius, or pairs"),
         (["--altitude", "9"], "altitude_m is 9.0, but has to be"),
+        (["--camera-pitch", "120"], "--camera-pitch must be -90 to 90 degrees, but got 120"),
         (["--camera", "nonsense"], "is no address of a camera"),
         (["--vehicle", "zeppelin:1"], "is no address of a vehicle"),
         (["--model", "nowhere.wigwag"], "there is no such model file"),
@@ -172,7 +181,9 @@ def test_wrong_input_says_what_is_wrong(
 
     monkeypatch.setattr(fly.Fly, "_pose", lambda self: lambda frame: None)
     if "--model" not in options:
-        monkeypatch.setattr(fly.Fly, "_taught", lambda self, stack: (Nobody(), ("stop", "land")))
+        monkeypatch.setattr(fly.Fly, "model_file", lambda self, stack: Path("none"))
+        monkeypatch.setattr(models, "load_model", lambda path: (Nobody(), ("stop", "land")))
+        monkeypatch.setattr(models, "warm_up", lambda model: None)
     assert run(["fly", *options]) == 2
     assert says in " ".join(capsys.readouterr().err.split())
 
@@ -191,6 +202,9 @@ def test_settings_become_limits() -> None:
         5.0,
     )
     assert len(config.supervisor.fence.walls(5.0, 2.0)) == 3
+    assert Fly(camera_pitch=90.0).settings().mount.to_body(np.array([0.0, 0.0, 2.0])) == pytest.approx(
+        [0.1, 0.0, -2.0]
+    ), "straight down"
     with pytest.raises(InputError, match="radius_m must be above 0"):
         Fly(fence=(-1.0,)).settings()
 

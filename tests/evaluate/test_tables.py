@@ -89,3 +89,22 @@ def test_rejection_is_averaged_over_draws_and_nothing_else(tmp_path: Path) -> No
     text = page.read_text("utf-8")
     assert "| kernel | 6 / 21 | other classes | 99.0 | 3.0 | 96.0 | 1.0 | 2 |" in text
     assert "| kernel | 21 / 6 | other classes | 50.0 |" in text
+
+
+def test_engines_and_chain_with_gaps_where_nothing_was_measured(tmp_path: Path) -> None:
+    page, pose, camera = tmp_path / "page.md", tmp_path / "pose.json", tmp_path / "camera.json"
+    page.write_text(f"{BEGIN}\n{END}\n", "utf-8")
+    engine = {
+        "engine": "litert", "model": "full", "mode": "track", "data": "photos", "frames": 280, "found": 279,
+        "timed": 278, "ms_median": 9.31, "ms_p95": 10.1, "times_litert": 1.0, "agreement_px_median": None,
+    }  # fmt: skip
+    memory = {
+        "measure": "memory of a process", "expected": "<= 350 MB", "frames_per_s": None, "ms_median": None,
+        "ms_p95": None, "ms_max": None, "rss_mb": 267.4,
+    }  # fmt: skip
+    pose.write_text(json.dumps([engine]))
+    camera.write_text(json.dumps([memory]))
+    fill(page, {"pose": [pose], "camera": [camera]})
+    text = page.read_text("utf-8")
+    assert "| full | track | photos | litert | 279 of 280 | 9.3 | 10.1 | 1.00 |  |" in text
+    assert "| memory of a process | <= 350 MB |  |  |  |  | 267.4 |" in text

@@ -69,14 +69,18 @@ class Player:
     """Whether the left and the right hand are raised at a time."""
     scale: float = 1.0
     """Of the body's lengths."""
+    lean: Callable[[float], float] = lambda t: 0.0
+    """How far the trunk is before the hips at a time, metres: bending towards the camera."""
 
     def points(self, t_s: float) -> np.ndarray | None:
         place = self.at(t_s)
         if place is None:
             return None
         x, z = place
-        tall = standing(0.0, 0.0) * self.scale + np.array([x, 0.0, z])
-        return raising(tall, *self.up(t_s))
+        tall = raising(standing(0.0, 0.0) * self.scale, *self.up(t_s))
+        trunk = float(tall[[23, 24], 1].mean() - tall[[11, 12], 1].mean())
+        tall[:23, 1] += trunk - np.sqrt(trunk**2 - self.lean(t_s) ** 2)
+        return tall + np.array([x, 0.0, z])
 
 
 def raised(*spans: tuple[float, float], both: bool = False) -> Callable[[float], tuple[bool, bool]]:
@@ -158,16 +162,19 @@ class Stage:
         there = [(p, player) for player in self.players if (p := player.points(self.t_s)) is not None]
         for points, player in sorted(there, key=lambda pair: -float(pair[0][0, 2])):
             z = float(points[0, 2])
-            for tops, bottoms, half_m, colour in (
-                ((11, 12), (23, 24), 0.22, player.shirt), ((23, 24), (29, 30), 0.2, player.trousers),
-            ):  # fmt: skip
-                (u, top), bottom = (
-                    CAMERA.project(points[list(ends)].mean(axis=0)) for ends in (tops, bottoms)
-                )
+            lean = player.lean(self.t_s)  # what is just above the hips stays where it is
+            waist = np.array([0.0, 0.12 if lean else 0.0, 0.0])
+            (chest, hips, feet) = (points[list(ends)].mean(axis=0) for ends in ((11, 12), (23, 24), (29, 30)))
+            for top_m, bottom_m, half_m, colour, deep in (
+                (chest, hips - waist, 0.22, player.shirt, z - lean),
+                (hips - waist, hips, 0.22, player.shirt, z),
+                (hips, feet, 0.2, player.trousers, z),
+            ):
+                (u, top), bottom = CAMERA.project(top_m), CAMERA.project(bottom_m)
                 half = half_m * player.scale * CAMERA.fx / z
                 box = np.round([u - half, u + half, top, bottom[1]]).astype(int)
                 left, right, upper, lower = np.clip(box, 0, [640, 640, 480, 480])
-                rgb[upper:lower, left:right], depth[upper:lower, left:right] = colour, round(1000 * z)
+                rgb[upper:lower, left:right], depth[upper:lower, left:right] = colour, round(1000 * deep)
             for first in (0, 1):
                 hand = CAMERA.project(points[15 + first])
                 u0, v0 = np.round(hand).astype(int)

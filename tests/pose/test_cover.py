@@ -31,6 +31,15 @@ def test_somebody_before_them() -> None:
     assert half.nearer + half.own + half.farther == pytest.approx(1.0)
 
 
+def test_who_leans_forward_is_not_before_themselves() -> None:
+    frame = frame_with((0.0, 3.4))
+    assert cover_at(frame, HIPS).nearer == 1.0
+    leaning = cover_at(frame, HIPS, lean_m=0.4)
+    assert (leaning.nearer, leaning.own) == (0.0, 1.0)
+    assert leaning.lean_m == pytest.approx(0.6, abs=0.01)
+    assert cover_at(frame_with((0.0, 2.9)), HIPS, lean_m=5.0).nearer == 1.0, "nobody leans that far"
+
+
 def test_nobody_there_and_somebody_behind() -> None:
     for frame in (frame_with(), frame_with((0.0, 5.2))):
         assert cover_at(frame, HIPS).farther == 1.0

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -74,6 +76,19 @@ def test_a_passer_by_is_never_handed_on_and_the_operator_is_again(
     else:
         hidden = 120 - len(seen)
         assert 5 < hidden < 45
+
+
+def bending(begin_s: float, end_s: float, depth_m: float = 0.3) -> Callable[[float], float]:
+    return lambda t: depth_m * float(np.clip(min(t - begin_s, end_s - t) / 0.5, 0.0, 1.0))
+
+
+def test_who_steps_before_a_bent_operator_hides_them_all_the_same() -> None:
+    operator = operator_at(0.0, 4.0, lean=bending(3.0, 6.0))
+    stage = Stage([operator, Player(walks(2.9, 3.0), shirt=RED)])
+    stage.play(3.0)
+    seen = handed(stage.play(7.0))
+    assert all(abs(x) < 0.05 and z == pytest.approx(4.0, abs=0.1) for _, x, z in seen)
+    assert 5 < 120 - len(seen) < 45
 
 
 def test_while_hidden_nothing_is_handed_on_and_it_says_why() -> None:

@@ -630,3 +630,25 @@ def test_six_gestures_of_a_new_person(preset):
     answers = [recogniser.recognise(c).label for c in new]
     assert all(a in (None, c.label) for a, c in zip(answers, new, strict=True))
     assert answers.count(None) <= 3
+
+
+def test_leeway_lets_an_enrolled_gesture_be_less_sure_than_the_others(fast, tmp_path):
+    shown, theirs = [clip("spread", 0, take) for take in range(2)], clips(["spread"], (7, 8, 9), 3)
+    strict, lenient = (deepcopy(fast).enrol("spread", shown, leeway=leeway) for leeway in (0.0, 6.0))
+    least = lenient.accept_threshold_ - 6.0
+    for one in theirs:
+        said = lenient.recognise(one).label
+        assert said == ("spread" if lenient.accept_score([one])[0] >= least else None)
+    heard = [sum(r.recognise(c).label == "spread" for c in theirs) for r in (strict, lenient)]
+    assert heard[1] >= heard[0]
+    assert lenient.leeway_.tolist() == [0.0] * len(fast.classes_) + [6.0]
+    lenient.save(tmp_path / "m")
+    assert KernelRecognizer.load(tmp_path / "m").leeway_.tolist() == lenient.leeway_.tolist()
+    assert lenient.forget("spread").leeway_.tolist() == [0.0] * len(fast.classes_)
+
+
+def test_an_enrolled_gesture_is_learned_from_as_many_copies_as_are_asked_for(fast):
+    shown = [clip("spread", 0, take) for take in range(2)]
+    few, many = (deepcopy(fast).enrol("spread", shown, copies=copies) for copies in (1, 5))
+    assert len(many._rows) - len(few._rows) == 2 * 4
+    assert len(many.names_) == len(few.names_)

@@ -13,6 +13,7 @@ from wigwag.gesture import Gesture
 from wigwag.skeleton import MIRROR, Pose
 from wigwag.stream.config import StreamConfig
 from wigwag.stream.gesture_stream import GestureStream, StreamModel
+from wigwag.stream.models import warm_up
 from wigwag.stream.teach import teach_stream
 
 from .people import GESTURES, Actor, examples, session
@@ -164,3 +165,10 @@ def test_nothing_to_teach() -> None:
         teach_stream(())
     with pytest.raises(InputError, match="which nobody shows"):
         teach_stream(examples(1), config=StreamConfig(commands=("jump",)))
+
+
+def test_a_model_that_was_warmed_up_hears_as_before(model: StreamModel) -> None:
+    actor = session(20)
+    before = commands(hear(model.stream(), actor.poses()))
+    warm_up(model)
+    assert commands(hear(model.stream(), actor.poses())) == before

@@ -11,8 +11,14 @@ import pytest
 
 from wigwag.drones import open_vehicle
 from wigwag.errors import InputError, MissingExtraError, VehicleError
-from wigwag.fly.values import Setpoint
+from wigwag.evaluate.following import missed, place_around
+from wigwag.evaluate.prompted import Nobody, Prompter
+from wigwag.fly.follow import Goal
+from wigwag.fly.situation import Mode
+from wigwag.fly.values import Command, Setpoint
+from wigwag.pilot import Pilot, PilotConfig
 from wigwag.sim.pointmass import PointMass
+from wigwag.sim.stage import Stage, StageConfig
 from wigwag.vehicles import FlightMode
 from wigwag.vehicles.ros2 import Ros2Config, ros2_vehicle
 
@@ -43,7 +49,7 @@ class DroneNode:
         self.body = PointMass()
         self.heard: list[tuple[float, TwistStamped]] = []
         self.called: list[str] = []
-        self.doing = "stand"
+        self.doing, self.flown_s = "stand", time.monotonic()
         self.odometry = Odometry
         node = self.ros.node
         self.publisher = node.create_publisher(Odometry, f"{namespace}/odom", 1)
@@ -69,10 +75,13 @@ class DroneNode:
             wanted = Setpoint((0.0, 0.0, min(2.0, 3.0 * (1.5 - height))))
         elif self.doing == "land":
             wanted = Setpoint((0.0, 0.0, -1.0))
-        if self.doing == "take_off" and self.heard and time.monotonic() - self.heard[-1][0] < 0.5:
+        steered = self.doing in ("take_off", "hold")
+        if steered and self.heard and time.monotonic() - self.heard[-1][0] < 0.5:
             twist = self.heard[-1][1].twist
             wanted = Setpoint((twist.linear.x, twist.linear.y, twist.linear.z), twist.angular.z)
-        self.body.step(wanted, 0.02)
+        now_s = time.monotonic()
+        self.body.step(wanted, min(now_s - self.flown_s, 0.1))  # a late timer slows no time down
+        self.flown_s = now_s
         state, message = self.body.measured, self.odometry()
         message.header.frame_id, message.child_frame_id = "odom", "base_link"
         pose, twist = message.pose.pose, message.twist.twist
@@ -124,7 +133,7 @@ def test_a_node_receives_setpoints_and_drives_the_chain_by_odometry(drone):
         assert vehicle.state.position_age_s(time.monotonic_ns()) < 0.2
         assert abs(vehicle.state.heading_rad) > 0.05
         until(lambda: vehicle.mode is FlightMode.HOLDING)  # the loop fell silent
-        assert drone.called[-1] == "hold"
+        until(lambda: drone.called[-1] == "hold")  # asked for; the service may be served a moment later
         count = len(drone.heard)
         until(lambda: vehicle.land() and vehicle.mode is FlightMode.LANDING)
         until(lambda: vehicle.mode is FlightMode.DISARMED)
@@ -132,6 +141,59 @@ def test_a_node_receives_setpoints_and_drives_the_chain_by_odometry(drone):
     finally:
         vehicle.close()
     assert list(dict.fromkeys(drone.called)) == ["arm", "take_off", "hold", "land"]
+
+
+def test_the_chain_follows_a_walking_person_by_odometry_and_twists(drone):
+    """Take off, follow an arc, fly a command, land: supervisor, follow law and movements over ROS."""
+    vehicle, pause = open_vehicle("ros2:/drone1?arm=arm"), threading.Event()
+    vehicle.connect()
+    stage = Stage(lambda: vehicle.state, pause.wait, time.monotonic_ns, StageConfig(seed=3))
+    config = PilotConfig(mount=stage.config.mount, goal=Goal(altitude_m=1.5))
+    pilot = Pilot(stage, Nobody(), vehicle, config=config, time_ns=time.monotonic_ns)
+    pilot.spotter = Prompter()  # says nothing: commands come from the console
+    off: list[tuple[float, float]] = []
+
+    def turn(asked=None):
+        pilot.step(stage.read(), time.monotonic_ns(), asked)
+        state, (x, y) = drone.body.state, stage.place_m
+        east, north = x - state.position_m[0], y - state.position_m[1]
+        bearing = np.degrees(np.angle(np.exp(1j * (np.arctan2(north, east) - state.heading_rad))))
+        off.append((abs(bearing), abs(np.hypot(east, north) - pilot.helm.movement.goal.distance_m)))
+
+    def fly(true, limit_s=20.0, asked=None):
+        end_s = time.monotonic() + limit_s
+        while not true():
+            turn(asked)
+            asked = None
+            assert time.monotonic() < end_s, (pilot.supervisor.mode, vehicle.mode, drone.called)
+
+    def stand(seconds):
+        end_s = time.monotonic() + seconds
+        fly(lambda: time.monotonic() > end_s)
+
+    try:
+        stand(1.5)
+        fly(lambda: pilot.supervisor.mode is Mode.FOLLOWING and not pilot.helm.moving, asked=Command.TAKE_OFF)
+        assert drone.body.state.position_m[2] == pytest.approx(1.5, abs=0.3)
+        stage.walk(0.75, 3.0, 6.0)
+        began = len(off)
+        stand(6.0)
+        bearing, distance = np.mean(off[began:], axis=0)
+        assert bearing < 2.0 and distance < 0.3
+        assert pilot.supervisor.mode is Mode.FOLLOWING
+        stand(2.5)
+        before = place_around(drone.body.state.position_m, stage.place_m, 0.0)
+        fly(lambda: pilot.supervisor.mode is Mode.EXECUTING, asked=Command.LEFT)
+        fly(lambda: pilot.supervisor.mode is Mode.FOLLOWING)
+        stand(2.0)
+        after = place_around(drone.body.state.position_m, stage.place_m, before[0])
+        assert missed(Command.LEFT, before, after, config.movement) < 0.15
+        fly(lambda: vehicle.mode is FlightMode.DISARMED, asked=Command.LAND)
+        assert drone.body.on_ground
+    finally:
+        vehicle.close()
+    assert list(dict.fromkeys(drone.called)) == ["arm", "take_off", "land"]
+    assert len(drone.heard) > 300, "set-points, thirty a second"
 
 
 def test_a_drone_that_is_not_there(rclpy):

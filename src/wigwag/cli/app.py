@@ -13,8 +13,15 @@ from wigwag.cli.benchmark import Benchmark
 from wigwag.cli.clips import Clips
 from wigwag.cli.demo import Demo
 from wigwag.cli.doctor import Doctor
+from wigwag.cli.evaluate import Evaluate
+from wigwag.cli.explain import Explain
+from wigwag.cli.flight import FlightCommand
 from wigwag.cli.fly import Fly
+from wigwag.cli.gestures import Gestures
 from wigwag.cli.pose import PoseCommand
+from wigwag.cli.replay import ReplayCommand
+from wigwag.cli.teach import Teach
+from wigwag.cli.train import Train
 from wigwag.cli.vocabulary import Vocabulary
 from wigwag.cli.watch import Watch
 from wigwag.errors import WigwagError
@@ -31,8 +38,15 @@ class Runnable(Protocol):
 Commands = (
     Annotated[Demo, tyro.conf.subcommand("demo")]
     | Annotated[Fly, tyro.conf.subcommand("fly")]
+    | Annotated[ReplayCommand, tyro.conf.subcommand("replay")]
+    | Annotated[Explain, tyro.conf.subcommand("explain")]
+    | Annotated[FlightCommand, tyro.conf.subcommand("flight")]
     | Annotated[Benchmark, tyro.conf.subcommand("benchmark")]
     | Annotated[PoseCommand, tyro.conf.subcommand("pose")]
+    | Annotated[Teach, tyro.conf.subcommand("teach")]
+    | Annotated[Gestures, tyro.conf.subcommand("gestures")]
+    | Annotated[Train, tyro.conf.subcommand("train")]
+    | Annotated[Evaluate, tyro.conf.subcommand("evaluate")]
     | Annotated[Vocabulary, tyro.conf.subcommand("vocabulary")]
     | Annotated[Watch, tyro.conf.subcommand("watch")]
     | Annotated[Clips, tyro.conf.subcommand("clips")]

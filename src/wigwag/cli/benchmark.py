@@ -16,12 +16,15 @@ from wigwag.cli.benchmark_follow import FollowBenchmark
 from wigwag.cli.benchmark_gallery import GalleryBenchmark
 from wigwag.cli.benchmark_lift import LiftBenchmark
 from wigwag.cli.benchmark_link import LinkBenchmark
+from wigwag.cli.benchmark_mission import MissionBenchmark
 from wigwag.cli.benchmark_monocular import MonocularBenchmark
 from wigwag.cli.benchmark_operator import OperatorBenchmark
 from wigwag.cli.benchmark_pose import PoseBenchmark
+from wigwag.cli.benchmark_record import RecordBenchmark
 from wigwag.cli.benchmark_reject import RejectBenchmark
 from wigwag.cli.benchmark_smooth import SmoothBenchmark
 from wigwag.cli.benchmark_stream import StreamBenchmark
+from wigwag.cli.benchmark_teach import TeachBenchmark
 from wigwag.cli.benchmark_transfer import TransferBenchmark
 from wigwag.cli.benchmark_utd_mhad import UtdMhadBenchmark
 
@@ -46,9 +49,12 @@ class Benchmark:
             | Annotated[FaultsBenchmark, tyro.conf.subcommand("faults")]
             | Annotated[FollowBenchmark, tyro.conf.subcommand("follow")]
             | Annotated[LinkBenchmark, tyro.conf.subcommand("link")]
+            | Annotated[MissionBenchmark, tyro.conf.subcommand("mission")]
             | Annotated[OperatorBenchmark, tyro.conf.subcommand("operator")]
             | Annotated[TransferBenchmark, tyro.conf.subcommand("transfer")]
+            | Annotated[RecordBenchmark, tyro.conf.subcommand("record")]
             | Annotated[StreamBenchmark, tyro.conf.subcommand("stream")]
+            | Annotated[TeachBenchmark, tyro.conf.subcommand("teach")]
         ]
     ]
 

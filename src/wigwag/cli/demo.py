@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from wigwag.errors import InputError
+from wigwag.record.turns import Pictures
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
     from wigwag.evaluate.lessons import InStreams
     from wigwag.evaluate.session import Session
     from wigwag.pose.estimator import PoseEstimator
+    from wigwag.recognise.explain import Explanation
+    from wigwag.record.recorder import Recorder
+    from wigwag.sim.script import ScriptConfig
     from wigwag.view.report import Still
 
 
@@ -37,6 +41,7 @@ class Demo:
     """Fly a simulated drone by the gestures of a simulated operator; every pose comes from rendered pixels.
 
     Writes summary.json, report.html and demo.mp4. Example: wigwag demo --seed 2 --out out
+    With gestures of your own: wigwag demo --model mine.wigwag --gestures goalpost --commands goalpost=orbit
     """
 
     motion: Literal["gestures", "utd-mhad"] = "gestures"
@@ -56,6 +61,22 @@ class Demo:
     """The operator walks, turns and fidgets and commands nothing; the drone hovers from the beginning."""
     duration: float = 600.0
     """Seconds of that."""
+    model: Path | None = None
+    """Fly by what was taught (wigwag teach, wigwag train) rather than by the demo's own recogniser."""
+    gestures: tuple[str, ...] = ()
+    """What is shown between taking off and landing, of what MODEL knows; by default the ten commands, and all
+    that --commands names."""
+    commands: tuple[str, ...] = ()
+    """Which label commands what beside the ten commands, such as goalpost=orbit crane=stop."""
+    rounds: int = 2
+    """How often everything is shown."""
+    record: Path | None = None
+    """Write the flight to this .mcap file too, for wigwag replay, Foxglove and Rerun; with --motion utd-mhad
+    one file a person, NAME-SUBJECT.mcap. Needs wigwag[record]."""
+    record_pictures: Pictures = "jpeg"
+    """What is kept of the pictures: none, jpeg, or png, which loses nothing."""
+    record_depth: bool = False
+    """Keep the depth too."""
 
     def run(self) -> int:
         """Teach, fly, judge, report; return 0."""
@@ -68,6 +89,14 @@ class Demo:
             )
         if self.idle and self.motion != "gestures":
             raise InputError("--idle is for --motion gestures: what recorded people show are gestures.")
+        if self.model is None and (self.gestures or self.commands or self.rounds != 2):
+            raise InputError("--gestures, --commands and --rounds are for --model FILE: teach one first.")
+        if self.model is not None and (self.motion != "gestures" or self.idle):
+            raise InputError("--model is for --motion gestures, and not for --idle.")
+        if self.record is not None:
+            from wigwag.record.container import check_target
+
+            check_target(self.record)
         began = time.monotonic()
         try:
             self.out.mkdir(parents=True, exist_ok=True)
@@ -79,7 +108,7 @@ class Demo:
         summary["rss_mb"] = peak_mb()
         summary["wall_s"] = round(time.monotonic() - began, 1)
         (self.out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
-        account(console, summary, self.out)
+        account(console, summary, self.out, filmed=self.film)
         return 0
 
     def _fly(self, console: Console) -> dict[str, Any]:
@@ -87,11 +116,31 @@ class Demo:
             from wigwag.cli.demo_recorded import fly_recorded
 
             return fly_recorded(self, console)
-        return self._fly_procedural(console)
+        return self._fly_procedural(console) if self.model is None else self._fly_taught(self.model, console)
+
+    def _fly_taught(self, model: Path, console: Console) -> dict[str, Any]:
+        from wigwag.cli.demo_taught import mapping_of, session_of
+        from wigwag.stream.models import load_model
+        from wigwag.stream.overhear import Overhearing
+
+        taught, known = load_model(model)
+        commands = mapping_of(self.commands)
+        config = session_of(self.gestures, commands, known, model, self.rounds)
+        estimator = pose_estimator()
+        session = self._procedural_session(estimator, config)
+        session.pilot.commands, session.pilot.spotter = commands, Overhearing(taught)
+        recorder = self.recorder(session, model.read_bytes())
+        stills = fly(session, estimator, console, self.out / "demo.mp4" if self.film else None, recorder)
+        shown = {name: commands[name].value for name in config.commands}
+        summary = account_of(
+            session, self, {"model": str(model), "recognizer": type(taught).__name__, "commands": shown}
+        )
+        write(self, session, summary, stills)
+        return summary
 
     def _fly_procedural(self, console: Console) -> dict[str, Any]:
         from wigwag.evaluate.lessons import teach_procedural, warm_up
-        from wigwag.stream.listener import listening
+        from wigwag.stream.overhear import Overhearing
 
         with tempfile.TemporaryDirectory() as folder:
             model = Path(folder) / "demo.wigwag"
@@ -106,13 +155,33 @@ class Demo:
                     session = self._procedural_session(estimator)
                     clips = taught.result()
             recogniser = load_recogniser(self.recognizer, model)
-        session.pilot.spotter = listening(recogniser)
-        stills = fly(session, estimator, console, self.out / "demo.mp4" if self.film else None)
+            recorder = self.recorder(session, model.read_bytes())
+        session.pilot.spotter = Overhearing(recogniser)
+        stills = fly(session, estimator, console, self.out / "demo.mp4" if self.film else None, recorder)
         summary = account_of(session, self, {"clips_taught": clips})
         write(self, session, summary, stills)
         return summary
 
-    def _procedural_session(self, estimator: PoseEstimator) -> Session:
+    def recorder(self, session: Session, model: bytes, name: str = "") -> Recorder | None:
+        """Return what writes a session down; ``None``: nothing does.
+
+        Args:
+            session: Before its first turn.
+            model: What was taught, as its file's bytes.
+            name: Goes into the file's name, where there are several sessions.
+        """
+        if self.record is None:
+            return None
+        from wigwag.record.recorder import Recorder
+
+        path = self.record.with_stem(f"{self.record.stem}-{name}") if name else self.record
+        facts = {"command": "wigwag demo", "motion": self.motion, "seed": str(self.seed)}
+        return Recorder(
+            path, session.pilot, pictures=self.record_pictures, depth=self.record_depth, model=model,
+            facts=facts, patient=True,
+        )  # fmt: skip
+
+    def _procedural_session(self, estimator: PoseEstimator, shown: ScriptConfig | None = None) -> Session:
         from wigwag.evaluate.session import Session
         from wigwag.pilot import Pilot
         from wigwag.sim.idle import plan_idle
@@ -129,7 +198,7 @@ class Demo:
             operator = Operator(person, script, position_m=(HOVER_M, 0.0), seed=self.seed)
             config = WorldConfig()
         else:
-            script = plan_session(person, self.seed, ScriptConfig(engage=True))
+            script = plan_session(person, self.seed, shown or ScriptConfig(engage=True))
             operator = Operator(person, script, position_m=(START_M, 0.0), seed=self.seed)
             config = WorldConfig(quadrotor=QuadrotorConfig(position_m=(0.0, 0.0, 0.0)))
         world = World(config, self.seed, operator, Look.from_seed(self.seed, person.height_m))
@@ -159,8 +228,11 @@ def load_recogniser(name: str, model: Path) -> InStreams:
     return IN_STREAMS[name].load(model)
 
 
-def fly(session: Session, estimator: PoseEstimator, console: Console, film: Path | None) -> list[Still]:
-    """Fly a session to its end; show progress, film it, and keep a still of each labelled gesture."""
+def fly(
+    session: Session, estimator: PoseEstimator, console: Console, film: Path | None,
+    recorder: Recorder | None = None,
+) -> list[Still]:  # fmt: skip
+    """Fly a session to its end; show progress, film and record it, keep a still of each labelled gesture."""
     from contextlib import nullcontext
 
     from wigwag.view.cockpit import Cockpit
@@ -177,6 +249,8 @@ def fly(session: Session, estimator: PoseEstimator, console: Console, film: Path
         task = progress.add_task("flying", total=frames, gestures=0)
         for count, turn in enumerate(session.fly()):
             cockpit.note(turn)
+            if recorder is not None:
+                recorder.turn(turn.frame, session.world.now_ns, turn.step)
             spoken = turn.step.gesture is not None and turn.step.gesture.label is not None
             if (recording is not None and count % 3 == 0) or spoken:
                 picture = cockpit.draw(turn, estimator.body)
@@ -184,10 +258,21 @@ def fly(session: Session, estimator: PoseEstimator, console: Console, film: Path
                     recording.add(picture)
                 if spoken and turn.step.gesture is not None and len(stills) < 60:
                     caption = f"{turn.row.time_s:.1f} s: {str(turn.step.gesture.label).replace('_', ' ')}"
-                    stills.append(Still(caption, jpeg(picture[:, :640])))
+                    stills.append(Still(caption, jpeg(picture[:, :640]), _why(session)))
             if count % 15 == 0 or count == frames - 1:
                 progress.update(task, completed=count + 1, gestures=len(session.log.events))
+    if recorder is not None:
+        recorder.close(ended="all shown")
+        console.print(f"recorded: {recorder.path} {recorder.failed}", highlight=False)
     return stills
+
+
+def _why(session: Session) -> Explanation | None:
+    """Return what the last gesture came from, if its listener can tell."""
+    from wigwag.stream.overhear import Overhearing
+
+    listener = session.pilot.spotter
+    return listener.explain() if isinstance(listener, Overhearing) else None
 
 
 def _progress(console: Console) -> Progress:
@@ -239,7 +324,7 @@ def write(demo: Demo, session: Session, summary: dict[str, Any], stills: list[St
         pool.submit(write_report, demo.out / "report.html", summary, session.log, stills, shown).result()
 
 
-def account(console: Console, summary: dict[str, Any], out: Path) -> None:
+def account(console: Console, summary: dict[str, Any], out: Path, *, filmed: bool = True) -> None:
     """Print the short account."""
     gestures, follow = summary["gestures"], summary["follow"]
     console.print(
@@ -263,6 +348,5 @@ def account(console: Console, summary: dict[str, Any], out: Path) -> None:
             f"Bearing error {bearing['mean']:.2f} degrees mean, {bearing['max']:.1f} at worst; "
             f"distance error {distance['mean']:.2f} m mean, {distance['max']:.2f} at worst."
         )
-    console.print(
-        f"Look at [bold]{out / 'report.html'}[/] and {out / 'demo.mp4'}; figures: {out / 'summary.json'}"
-    )
+    film = f" and {out / 'demo.mp4'}" if filmed else ""
+    console.print(f"Look at [bold]{out / 'report.html'}[/]{film}; figures: {out / 'summary.json'}")

@@ -35,7 +35,7 @@ def fly_recorded(demo: Demo, console: Console) -> dict[str, Any]:
 
     if demo.data is None:
         raise InputError("--motion utd-mhad needs --data: UTD-MHAD's folder (Skeleton.zip or Skeleton/).")
-    recogniser, six_classes, estimator, clips = _taught(demo.data, demo.recognizer, console)
+    recogniser, six_classes, estimator, clips, model = _taught(demo.data, demo.recognizer, console)
     answers: list[dict[str, Any]] = []
     stream = FlightLog()
     stills: list[Still] = []
@@ -58,7 +58,8 @@ def fly_recorded(demo: Demo, console: Console) -> dict[str, Any]:
         )
         session = make_session(person, script, estimator, recogniser, 100 + demo.seed + number)
         film = demo.out / "demo.mp4" if demo.film and number == 0 else None
-        stills += fly(session, estimator, console, film)[:12]
+        recorder = demo.recorder(session, model, subject)
+        stills += fly(session, estimator, console, film, recorder)[:12]
         stream.append(session.log, stream.rows[-1].time_s + 1.0 if stream.rows else 0.0)
     assert session is not None
     summary = account_of(session, demo, {"clips_taught": clips})
@@ -77,8 +78,8 @@ def fly_recorded(demo: Demo, console: Console) -> dict[str, Any]:
     return summary
 
 
-def _taught(data: Path, recognizer: str, console: Console) -> tuple[Any, Any, PoseEstimator, int]:
-    """Return a recogniser for the stream, one of the six classes alone, the pose chain, and clips taught."""
+def _taught(data: Path, recognizer: str, console: Console) -> tuple[Any, Any, PoseEstimator, int, bytes]:
+    """Return recognisers for the stream and of the six classes alone, pose chain, clips, the first's file."""
     from wigwag.cli.demo import load_recogniser, pose_estimator
     from wigwag.datasets.utd_mhad import load_skeletons
     from wigwag.evaluate.lessons import RECOGNISERS, closed_of, warm_up
@@ -96,7 +97,8 @@ def _taught(data: Path, recognizer: str, console: Console) -> tuple[Any, Any, Po
                 estimator = pose_estimator()
                 clips = taught.result()
         stream, closed = load_recogniser(recognizer, model), RECOGNISERS[closed_of(recognizer)].load(six)
-    return stream, closed, estimator, clips
+        file = model.read_bytes()
+    return stream, closed, estimator, clips, file
 
 
 def shown_by(data: Path, subject: str, seed: list[int]) -> tuple[Person, list[Item], list[Item]]:
@@ -121,12 +123,15 @@ def make_session(
     from wigwag.sim.motion import Operator
     from wigwag.sim.paint import Look
     from wigwag.sim.world import World, WorldConfig
+    from wigwag.stream.overhear import Overhearing
 
     operator = Operator(person, script, position_m=(4.0, 0.0), seed=seed)
     look = Look.from_seed(seed, person.height_m)
     world = World(WorldConfig(), seed, operator, look)
     estimator.reset()
-    return Session(world, Pilot(estimator, recogniser, world.vehicle, commands=COMMANDS), script)
+    pilot = Pilot(estimator, recogniser, world.vehicle, commands=COMMANDS)
+    pilot.spotter = Overhearing(recogniser)
+    return Session(world, pilot, script)
 
 
 def choose(items: list[Item], rng: np.random.Generator) -> list[Item]:

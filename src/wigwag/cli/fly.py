@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
@@ -12,14 +13,11 @@ import tyro
 
 from wigwag.errors import InputError
 from wigwag.fly.values import Command
+from wigwag.record.turns import Pictures
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
-    from wigwag.cli.preflight import Check
-    from wigwag.pilot import PilotConfig, PoseSource
-    from wigwag.rig import Rig
-    from wigwag.stream.models import Taught
+    from wigwag.pilot import Pilot, PilotConfig, PoseSource
+    from wigwag.record.recorder import Recorder
 
 
 @dataclass(frozen=True)
@@ -45,6 +43,8 @@ class Fly:
     """Metres to the operator."""
     altitude: float = 1.2
     """Metres above the place of take-off."""
+    camera_pitch: float = 0.0
+    """Degrees that the camera looks down from straight ahead."""
     fence: tuple[float, ...] = (30.0,)
     """Radius of the fence, or corners of a polygon: east north east north ...; metres from where it was
     switched on."""
@@ -56,8 +56,13 @@ class Fly:
     """Land on Ctrl-C and at the end, rather than hold."""
     duration_s: float | None = None
     """End after so many seconds."""
-    log: Path | None = None
-    """File for everything that is seen, decided and sent, a line of JSON a turn."""
+    record: Path | None = None
+    """MCAP file for everything that is seen, decided and sent; see docs/flights.md. Needs wigwag[record]."""
+    record_pictures: Pictures = "jpeg"
+    """What is kept of the colour pictures: none, jpeg (below 400 MB in ten minutes), or png, which loses
+    nothing and is thirty times as large."""
+    record_depth: bool = False
+    """Keep the depth too, as it is."""
     models_dir: tyro.conf.Suppress[Path | None] = None
 
     def run(self) -> int:
@@ -67,31 +72,36 @@ class Fly:
 
         from wigwag.cameras import parse_camera
         from wigwag.cli.flying import Flying
+        from wigwag.cli.preflight import in_order
         from wigwag.fly.situation import Mode
-        from wigwag.journal import Journal
         from wigwag.pilot import Pilot
+        from wigwag.record.container import check_target
         from wigwag.rig import open_rig
+        from wigwag.stream.models import load_model, warm_up
         from wigwag.vehicles.dry import DryVehicle
 
         console = Console()
         config, commands = self.settings(), self.mapping()
         if parse_camera(self.camera).kind != "sim" and self.model is None:
             raise InputError("--model is missing: a real operator's gestures have to be taught first.")
+        if self.record is not None:
+            check_target(self.record)
         with threadpool_limits(1), ExitStack() as stack:
             with console.status("reading what was taught"):
-                model, labels = self._taught(stack)
+                file = self.model_file(stack)
+                model, labels = load_model(file)
+                warm_up(model)
             pose = self._pose()
             with console.status("opening camera and vehicle"):
-                rig = stack.enter_context(open_rig(self.camera, self.vehicle))
-            if not self._in_order(console, rig, config, labels, commands):
+                rig = stack.enter_context(open_rig(self.camera, self.vehicle, config.mount))
+            if not in_order(console, rig, config.supervisor, labels, commands):
                 return 1
             pilot = Pilot(
                 pose, model, DryVehicle(rig.vehicle) if self.dry_run else rig.vehicle, commands=commands,
                 config=config, in_the_air=Mode.HOLDING, time_ns=rig.now_ns if rig.live else None,
             )  # fmt: skip
-            facts = {"camera": self.camera, "vehicle": self.vehicle, "dry_run": self.dry_run}
-            journal = None if self.log is None else Journal(self.log, **facts)
-            return Flying(console, rig, pilot, journal, self.land_on_exit, self.duration_s).fly()
+            recorder = self._recorder(pilot, file, patient=not rig.live)
+            return Flying(console, rig, pilot, recorder, self.land_on_exit, self.duration_s).fly()
 
     def settings(self) -> PilotConfig:
         """Return all settings of the flight.
@@ -103,8 +113,11 @@ class Fly:
         from wigwag.fly.follow import Goal
         from wigwag.fly.limits import SupervisorConfig
         from wigwag.fly.movements import MovementConfig
+        from wigwag.fly.operator import Mount
         from wigwag.pilot import PilotConfig
 
+        if not -90 <= self.camera_pitch <= 90:
+            raise InputError(f"--camera-pitch must be -90 to 90 degrees, but got {self.camera_pitch:g}.")
         if len(self.fence) == 1:
             fence: Fence = Cylinder(self.fence[0])
         elif len(self.fence) % 2 == 0:
@@ -118,6 +131,7 @@ class Fly:
         )
         return PilotConfig(
             goal=Goal(distance_m=self.distance, altitude_m=self.altitude),
+            mount=Mount(pitch_down_rad=math.radians(self.camera_pitch)),
             movement=bounds,
             supervisor=SupervisorConfig(fence=fence, ceiling_m=self.ceiling),
         )
@@ -139,16 +153,29 @@ class Fly:
             found[label] = Command(name)
         return found
 
-    def _taught(self, stack: ExitStack) -> tuple[Taught, tuple[str, ...]]:
-        from wigwag.stream.models import load_model
-
+    def model_file(self, stack: ExitStack) -> Path:
+        """Return the file of what was taught; without one the demo's gestures are taught."""
         if self.model is not None:
-            return load_model(self.model)
+            return self.model
         from wigwag.evaluate.lessons import teach_procedural
 
         file = Path(stack.enter_context(tempfile.TemporaryDirectory())) / "demo.wigwag"
         teach_procedural(file)
-        return load_model(file)
+        return file
+
+    def _recorder(self, pilot: Pilot, model: Path, patient: bool) -> Recorder | None:
+        if self.record is None:
+            return None
+        from wigwag.camera.address import hide_password
+        from wigwag.record.recorder import Recorder
+
+        facts = {
+            "camera": hide_password(self.camera), "vehicle": self.vehicle, "dry_run": str(self.dry_run)
+        }  # fmt: skip
+        return Recorder(
+            self.record, pilot, pictures=self.record_pictures, depth=self.record_depth,
+            model=model.read_bytes(), facts=facts, patient=patient,
+        )  # fmt: skip
 
     def _pose(self) -> PoseSource:
         from wigwag.pose.blazepose import BlazePoseConfig
@@ -160,37 +187,6 @@ class Fly:
                 BlazePoseConfig(models_dir=self.models_dir), operator=OperatorConfig(engage=self.engage)
             )
         )
-
-    def _in_order(
-        self, console: Console, rig: Rig, config: PilotConfig, labels: tuple[str, ...],
-        commands: dict[str, Command],
-    ) -> bool:  # fmt: skip
-        """Go through the checklist, print it, and say whether there is a flight."""
-        from wigwag.cli.preflight import check_camera, check_model, check_vehicle
-
-        checks = [
-            *check_model(labels, commands), *check_camera(rig), *check_vehicle(rig, config.supervisor)
-        ]  # fmt: skip
-        _show(console, checks)
-        faults = sum(check.state == "fault" for check in checks)
-        if faults:
-            console.print(f"[bold red]not in order:[/] {faults} of {len(checks)}; nothing flies.")
-        return not faults
-
-
-def _show(console: Console, checks: list[Check]) -> None:
-    from rich.box import SIMPLE_HEAD
-    from rich.markup import escape
-    from rich.table import Table
-
-    colours = {"ok": "green", "warning": "yellow", "fault": "red"}
-    table = Table(title="Before the flight", box=SIMPLE_HEAD)
-    for column in ("", "", "found", "what to do"):
-        table.add_column(column)
-    for check in checks:
-        state = f"[{colours[check.state]}]{check.state}[/]"
-        table.add_row(check.what, state, escape(check.detail), escape(check.fix))
-    console.print(table)
 
 
 __all__ = ["Fly"]

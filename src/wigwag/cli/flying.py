@@ -16,8 +16,8 @@ from wigwag.camera.watchdog import Watchdog
 from wigwag.errors import CameraError, DataError
 from wigwag.fly.situation import Mode
 from wigwag.fly.values import Command
-from wigwag.journal import Journal
 from wigwag.pilot import Pilot, Step
+from wigwag.record.recorder import Recorder
 from wigwag.rig import Rig
 from wigwag.vehicles.dry import DryVehicle
 from wigwag.vehicles.protocol import FlightMode
@@ -32,17 +32,17 @@ class Flying:
         console: Where transitions and the state of the moment are shown.
         rig: Camera, vehicle and clock.
         pilot: What flies; its vehicle may be a dry one.
-        journal: Where everything is written down.
+        recorder: Where everything is written down.
         land_on_exit: Land at the end, rather than hold.
         duration_s: End after so many seconds.
     """
 
     def __init__(  # noqa: PLR0917  # one caller
-        self, console: Console, rig: Rig, pilot: Pilot, journal: Journal | None = None,
+        self, console: Console, rig: Rig, pilot: Pilot, recorder: Recorder | None = None,
         land_on_exit: bool = False, duration_s: float | None = None,
     ) -> None:  # fmt: skip
         self.console, self.rig, self.pilot, self.vehicle = console, rig, pilot, pilot.vehicle
-        self.journal, self.land_on_exit, self.duration_s = journal, land_on_exit, duration_s
+        self.recorder, self.land_on_exit, self.duration_s = recorder, land_on_exit, duration_s
         self.watchdog, self.stopped, self.trouble = Watchdog(), False, ""
 
     def fly(self) -> int:
@@ -62,9 +62,8 @@ class Flying:
                 self._end(live)
         finally:
             self.rig.vehicle.close()
-            if self.journal is not None:
-                self.journal.note(ended=self.trouble or "as wished")
-                self.journal.close()
+            if self.recorder is not None:
+                self.recorder.close(ended=self.trouble or "as wished")
         return self._account()
 
     def _glimpses(self) -> Iterator[Glimpse]:
@@ -83,8 +82,8 @@ class Flying:
 
     def _turn(self, glimpse: Glimpse, live: Live, asked: Command | None = None) -> None:
         step = self.pilot.step(glimpse.frame, glimpse.now_ns, asked)
-        if self.journal is not None:
-            self.journal.turn(step)
+        if self.recorder is not None:
+            self.recorder.turn(glimpse.frame, glimpse.now_ns, step)
         if step.verdict.row:
             text = f"{glimpse.now_ns * 1e-9:9.1f} s  {step.verdict.row}: {step.verdict.mode}"
             self.console.print(text, highlight=False)
@@ -124,9 +123,11 @@ class Flying:
         if isinstance(vehicle, DryVehicle):
             kept = ", ".join(vehicle.kept) or "no request"
             self.console.print(f"dry run: not passed on: {kept}; {vehicle.kept_setpoints} set-points.")
-        if self.journal is not None:
-            self.trouble = self.trouble or self.journal.failed
-            self.console.print(f"log: {self.journal.path}", highlight=False)
+        if self.recorder is not None:
+            self.trouble = self.trouble or self.recorder.failed
+            left_out = self.recorder.left_out
+            said = f"; {left_out} pictures left out: the disk did not keep up" if left_out else ""
+            self.console.print(f"recorded: {self.recorder.path}{said}", highlight=False)
         if self.trouble:
             self.console.print(f"[bold red]ended in trouble:[/] {self.trouble}", highlight=False)
             return 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from wigwag.camera.fresh import Glimpse, fresh
 from wigwag.fly.fence import Fence
@@ -12,6 +12,9 @@ from wigwag.fly.limits import SupervisorConfig
 from wigwag.fly.values import Command, VehicleState
 from wigwag.rig import Rig
 from wigwag.vehicles.protocol import AIRBORNE, FlightMode
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 State = Literal["ok", "warning", "fault"]
 LOOK_S = 1.0
@@ -133,4 +136,32 @@ def _check_fence(state: VehicleState, fence: Fence) -> Check:
     return Check("fence", "ok", f"{inside_m:.1f} m inside")
 
 
-__all__ = ["Check", "check_camera", "check_model", "check_vehicle"]
+def in_order(
+    console: Console, rig: Rig, limits: SupervisorConfig, labels: tuple[str, ...],
+    commands: Mapping[str, Command],
+) -> bool:  # fmt: skip
+    """Go through the whole checklist, print it, and say whether there is a flight."""
+    checks = [*check_model(labels, commands), *check_camera(rig), *check_vehicle(rig, limits)]
+    _show(console, checks)
+    faults = sum(check.state == "fault" for check in checks)
+    if faults:
+        console.print(f"[bold red]not in order:[/] {faults} of {len(checks)}; nothing flies.")
+    return not faults
+
+
+def _show(console: Console, checks: list[Check]) -> None:
+    from rich.box import SIMPLE_HEAD
+    from rich.markup import escape
+    from rich.table import Table
+
+    colours = {"ok": "green", "warning": "yellow", "fault": "red"}
+    table = Table(title="Before the flight", box=SIMPLE_HEAD)
+    for column in ("", "", "found", "what to do"):
+        table.add_column(column)
+    for check in checks:
+        state = f"[{colours[check.state]}]{check.state}[/]"
+        table.add_row(check.what, state, escape(check.detail), escape(check.fix))
+    console.print(table)
+
+
+__all__ = ["Check", "check_camera", "check_model", "check_vehicle", "in_order"]

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
 from wigwag.evaluate.prompted import PromptedFlight
 from wigwag.fly.movements import MovementConfig
@@ -26,6 +27,9 @@ MOVES = (
     Command.LEFT, Command.RIGHT, Command.UP, Command.DOWN, Command.CLOSER, Command.FARTHER, Command.ORBIT
 )  # fmt: skip
 _SETTLE_S = 2.0
+
+Place = tuple[float, float, float]
+"""Where a drone is, seen from the person: angle around them, radians; distance; height, metres."""
 
 
 def _rotorpy(seed: int) -> Flown:
@@ -89,13 +93,14 @@ def fly_command(vehicle: str, command: Command, seed: int) -> float:
     """
     world = SketchWorld(VEHICLES[vehicle](seed), lambda time_s: (4.5, 0.0), SENSOR, seed)
     flight, sizes = PromptedFlight(world), MovementConfig()
-    places: list[tuple[float, float, float]] = []
+    places: list[Place] = []
 
     def turn(command: Command | None = None) -> None:
         flight.turn(command)
-        places.append(_where(world, places[-1][0] if places else 0.0))
+        at_m = world.airframe.state.position_m
+        places.append(place_around(at_m, world.person_m, places[-1][0] if places else 0.0))
 
-    def where() -> tuple[float, float, float]:
+    def where() -> Place:
         """Return the place of the last second, on average: gusts and its own noise shake the drone."""
         angle, distance, height = np.mean(places[-30:], axis=0)
         return float(angle), float(distance), float(height)
@@ -112,17 +117,39 @@ def fly_command(vehicle: str, command: Command, seed: int) -> float:
         turn()
     for _ in range(round(_SETTLE_S * 30)):
         turn()
-    turned, nearer, higher = (a - b for a, b in zip(where(), before, strict=True))
+    return missed(command, before, where(), sizes)
+
+
+def missed(command: Command, before: Place, after: Place, sizes: MovementConfig) -> float:
+    """Return by which share of its way a command missed its end.
+
+    Args:
+        command: One of ``MOVES``.
+        before: Where the drone was.
+        after: Where it came to.
+        sizes: How far each command goes.
+    """
+    turned, farther, higher = (a - b for a, b in zip(after, before, strict=True))
     done, wanted = {
         Command.LEFT: (turned * before[1], sizes.sideways_m),
         Command.RIGHT: (-turned * before[1], sizes.sideways_m),
         Command.ORBIT: (-turned, sizes.orbit_rad),
         Command.UP: (higher, sizes.altitude_step_m),
         Command.DOWN: (-higher, sizes.altitude_step_m),
-        Command.CLOSER: (-nearer, sizes.distance_step_m),
-        Command.FARTHER: (nearer, sizes.distance_step_m),
+        Command.CLOSER: (-farther, sizes.distance_step_m),
+        Command.FARTHER: (farther, sizes.distance_step_m),
     }[command]
     return abs(done - wanted) / wanted
+
+
+def place_around(drone_m: Float[np.ndarray, " 3"], person_m: tuple[float, float], last_rad: float) -> Place:
+    """Return where a drone is, seen from a person; the angle is the one nearest to the last one.
+
+    The angle grows anticlockwise, which is to the operator's own left.
+    """
+    x, y = float(drone_m[0]) - person_m[0], float(drone_m[1]) - person_m[1]
+    turned = (math.atan2(y, x) - last_rad + math.pi) % (2 * math.pi) - math.pi
+    return last_rad + turned, math.hypot(x, y), float(drone_m[2])
 
 
 def summary(vehicle: str, runs: int, seconds: float, seed: int) -> dict[str, Any]:
@@ -148,15 +175,7 @@ def summary(vehicle: str, runs: int, seconds: float, seed: int) -> dict[str, Any
     }
 
 
-def _where(world: SketchWorld, last_rad: float) -> tuple[float, float, float]:
-    """Return the drone's true angle around the person, without jumps of a turn; distance; height.
-
-    The angle grows anticlockwise, which is to the operator's own left.
-    """
-    at = world.airframe.state.position_m
-    x, y = world.person_m
-    angle = math.atan2(at[1] - y, at[0] - x)
-    return last_rad + (angle - last_rad + math.pi) % (2 * math.pi) - math.pi, world.distance_m, float(at[2])
-
-
-__all__ = ["MOVES", "VEHICLES", "Followed", "arc", "fly_command", "follow", "summary"]
+__all__ = [
+    "MOVES", "VEHICLES", "Followed", "Place", "arc", "fly_command", "follow", "missed", "place_around",
+    "summary",
+]  # fmt: skip

@@ -223,6 +223,39 @@ def follow_table(records: Sequence[Mapping[str, Any]]) -> str:
     return "\n".join(lines)
 
 
+def pose_table(records: Sequence[Mapping[str, Any]]) -> str:
+    """Return the table of ``wigwag benchmark pose``."""
+    lines = [
+        "| network | mode | pictures | engine | found | ms (median) | p95 | times LiteRT | apart, px |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for r in records:
+        figures = " | ".join(
+            "" if r[name] is None else f"{r[name]:.{digits}f}"
+            for name, digits in (
+                ("ms_median", 1), ("ms_p95", 1), ("times_litert", 2), ("agreement_px_median", 2),
+            )
+        )  # fmt: skip
+        lines.append(
+            f"| {r['model']} | {r['mode']} | {r['data']} | {r['engine']} | {r['found']} of {r['frames']} | "
+            f"{figures} |"
+        )
+    return "\n".join(lines)
+
+
+def camera_table(records: Sequence[Mapping[str, Any]]) -> str:
+    """Return the table of ``wigwag benchmark camera``."""
+    lines = [
+        "| measure | expected | frames a second of one core | ms (median) | p95 | at most | memory, MB |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for r in records:
+        names = ("frames_per_s", "ms_median", "ms_p95", "ms_max", "rss_mb")
+        figures = " | ".join("" if r[name] is None else f"{r[name]:.1f}" for name in names)
+        lines.append(f"| {r['measure']} | {r['expected']} | {figures} |")
+    return "\n".join(lines)
+
+
 Records = Sequence[Mapping[str, Any]]
 
 PARTS: dict[str, tuple[str, Callable[[Records], str]]] = {
@@ -243,6 +276,17 @@ PARTS: dict[str, tuple[str, Callable[[Records], str]]] = {
         "Small people in clutter (`wigwag benchmark far --data DIR --json FILE`), the operator photos shrunk "
         "and set before other photos' rooms, 640x480:",
         far_table,
+    ),
+    "pose": (
+        "Pose engines in one run on one core (`wigwag benchmark pose --photos DIR --models lite full heavy "
+        "--json FILE`), processor time. `detect`: a picture that stands for itself; `track`: somebody is "
+        "followed; `search`: nobody is there. `apart`: between the engines, median over all landmarks:",
+        pose_table,
+    ),
+    "camera": (
+        "From a frame with depth, 640x480, to the operator's 3-D pose, one core (`wigwag benchmark camera "
+        "--json FILE`):",
+        camera_table,
     ),
     "few-shot": (
         "Few examples (`wigwag benchmark few-shot --data DIR --json FILE`), UTD-MHAD, 27 classes, test "

@@ -70,6 +70,8 @@ class MediaPipePose:
         weakref.finalize(self, _close, self._landmarkers)
         self._landmarker("VIDEO")
         self._count = 0
+        self._followed: tuple[int, ...] | None = None
+        """Shape of the last picture of the stream, if somebody was in it."""
 
     def detect(self, rgb: Picture) -> Body | None:
         """Return the body in one picture that stands for itself, or ``None``."""
@@ -80,18 +82,22 @@ class MediaPipePose:
         """Return the body in the next picture of a stream, or ``None`` while nobody is found."""
         picture = self._picture(rgb)
         self._count += 1
-        return _body(self._landmarker("VIDEO").detect_for_video(picture, self._count * _FAR_APART_MS), rgb)
+        stamp_ms = self._count * _FAR_APART_MS
+        body = _body(self._landmarker("VIDEO").detect_for_video(picture, stamp_ms), rgb)
+        self._followed = None if body is None else rgb.shape
+        return body
 
     def reset(self) -> None:
         """Forget whom it follows."""
-        if self._count:  # there is no other way to make it forget
-            self._landmarkers.pop("VIDEO").close()
-            self._count = 0
+        if self._followed is not None:
+            # It has no such call, and making it anew takes longer and leaves memory behind. Nobody is in a
+            # black picture, and who is not there is followed no longer.
+            self.track(np.zeros(self._followed, np.uint8))
 
     def close(self) -> None:
         """Let go of MediaPipe's threads and memory; looking again begins anew."""
         _close(self._landmarkers)
-        self._count = 0
+        self._count, self._followed = 0, None
 
     def _picture(self, rgb: Picture) -> Any:
         check_picture(rgb)

@@ -10,7 +10,7 @@ import numpy as np
 
 from wigwag.camera.frame import Frame, Intrinsics
 from wigwag.errors import InputError
-from wigwag.pose.cover import Cover, cover_at
+from wigwag.pose.cover import UPRIGHT_M, Cover, cover_at
 from wigwag.pose.engagement import Signal
 from wigwag.pose.people import People, Seen, Track
 from wigwag.pose.region import Region
@@ -100,6 +100,7 @@ class OperatorKeeper:
         self._wary_ns: int | None = None
         self._before_m: tuple[float, int] | None = None
         self._in_doubt = False
+        self._lean_m = UPRIGHT_M
 
     @property
     def away(self) -> bool:
@@ -124,7 +125,9 @@ class OperatorKeeper:
         if track.age_s(now) > lost_s:
             self._release()
             return
-        self.cover = cover = cover_at(frame, track.expected_m(now, self._people.config.coast_s))
+        expected_m = track.expected_m(now, self._people.config.coast_s)
+        self.cover = cover = cover_at(frame, expected_m, self._lean_m)
+        self._learn_lean(cover, since_s, seen=track.age_s(now) <= config.glitch_s)
         if cover.nearer >= config.hidden:
             self._in_doubt, self._wary_ns = True, now
             if cover.range_m is not None:
@@ -133,6 +136,17 @@ class OperatorKeeper:
             self._absent_s += since_s
         if self._people.close_to(track, now):
             self._wary_ns = now
+
+    def _learn_lean(self, cover: Cover, since_s: float, *, seen: bool) -> None:
+        """Follow how far the operator's trunk leans to the camera, no faster than a body does.
+
+        Unseen, they are expected to straighten up.
+        """
+        if seen and cover.nearer < self.config.hidden and cover.lean_m is not None:
+            most = _LEANS_M_S * since_s
+            self._lean_m += min(max(cover.lean_m - self._lean_m, -most), most)
+        elif not seen:
+            self._lean_m += min(since_s, 1.0) * (UPRIGHT_M - self._lean_m)
 
     def _wary(self, now_ns: int) -> bool:
         return self._wary_ns is not None and (now_ns - self._wary_ns) * 1e-9 <= self.config.wary_s
@@ -163,7 +177,7 @@ class OperatorKeeper:
             # Whoever stands before the operator is known by their distance: nearer to it than to the
             # operator's own is not the operator.
             expected = float(np.linalg.norm(track.expected_m(now_ns, people.config.coast_s)))
-            slack = max(0.5 * (expected - self._before_m[0] - _SURFACE_M), 0.2)
+            slack = max(0.5 * (expected - self._before_m[0] - UPRIGHT_M), 0.2)
         if people.misfit(track, seen, now_ns, slack) >= 1.0 or not people.sized_like(track, seen):
             return False
         mine = people.away_m(track, seen, now_ns)
@@ -243,7 +257,7 @@ class OperatorKeeper:
         return "the operator is not seen"
 
 
-_SURFACE_M = 0.1
-"""How far the hips lie behind the surface that depth sees."""
+_LEANS_M_S = 2.5
+"""How fast a trunk bends at most, as the camera sees it."""
 
 __all__ = ["Claim", "OperatorConfig", "OperatorKeeper"]

@@ -53,6 +53,7 @@ class KernelRecognizer(Classifier):
     Attributes:
         classes_: The gestures.
         accept_threshold_: The threshold in use.
+        leeway_: How far below it each gesture may lie; 0 but for what was enrolled so.
         ridge_, width_, copies_: The penalty, the width and the number of copies in use.
         apart_: Whether each view decides by itself.
 
@@ -136,6 +137,7 @@ class KernelRecognizer(Classifier):
         self.accept_threshold_ = (
             self.doubt_.acceptance.threshold_ if self.null_score is None else float(self.null_score)
         )
+        self.leeway_ = np.zeros(len(self.classes_))
         self._ridge = EmpiricalMapRidge(self.ridge_, len(similar.kinds)).fit(
             features, targets_of(self._row_numbers, len(self.classes_))
         )
@@ -236,8 +238,9 @@ class KernelRecognizer(Classifier):
         sure = float(self.doubt_.acceptance.probability(log_odds)[0])
         if self.doubt_.background(scores)[0] > scores[0, decided]:
             return Gesture(None, sure, first, last, last, f"like a movement that is no gesture; {account}")
-        if log_odds[0] < self.accept_threshold_:
-            limit = float(self.doubt_.acceptance.probability(np.array([self.accept_threshold_]))[0])
+        least = self.accept_threshold_ - self.leeway_[decided]
+        if log_odds[0] < least:
+            limit = float(self.doubt_.acceptance.probability(np.array([least]))[0])
             reason = f"not sure of {label}: {sure:.3f} < {limit:.3f}; {account}"
             return Gesture(None, sure, first, last, last, reason)
         return Gesture(label, sure, first, last, last, account)
@@ -251,6 +254,18 @@ class KernelRecognizer(Classifier):
         """
         self._check_fitted()
         return self._similar
+
+    @property
+    def weights(self) -> Float[np.ndarray, "features classes+1"]:
+        """What each similarity gives to each gesture's score, and to that of 'no gesture'."""
+        self._check_fitted()
+        return self._weights
+
+    @property
+    def accept_probability(self) -> float:
+        """How sure ``recognise`` has to be."""
+        self._check_fitted()
+        return float(self.doubt_.acceptance.probability(np.array([self.accept_threshold_]))[0])
 
     def _scores(self, clips: Sequence[Clip]) -> Float[np.ndarray, "clips classes+1"]:
         self._check_fitted()
@@ -282,15 +297,20 @@ class KernelRecognizer(Classifier):
 
     # -- learn and forget ---------------------------------------------------------------------------------
 
-    def enrol(self, label: str, clips: Sequence[Clip]) -> Self:
+    def enrol(
+        self, label: str, clips: Sequence[Clip], *, copies: int | None = None, leeway: float = 0.0
+    ) -> Self:
         """Add a gesture, or more examples of one that is known, without learning everything anew.
 
         The examples become references, and teach together with varied copies of them. How sure to be
-        stays as it was learned.
+        stays as it was learned, less ``leeway``.
 
         Args:
             label: Name of the gesture.
             clips: One example or more; their own labels are not looked at.
+            copies: Varied copies of each example; ``None``: as many as ``fit`` made.
+            leeway: How far below the threshold the log odds of a gesture that is new may lie: one that one
+                person has shown a few times never looks as sure as those that many have.
 
         Raises:
             InputError: If there is no clip or the label is empty.
@@ -303,12 +323,14 @@ class KernelRecognizer(Classifier):
             raise InputError(f"enrol needs at least one clip of {label!r}, but got an empty list.")
         if not isinstance(label, str) or not label:
             raise InputError(f"enrol needs a gesture's name, but got {label!r}.")
-        self._ready_to_learn()
+        self.ready_to_learn()
         sides = [self._similar.sides(clip) for clip in clips]  # what can go wrong comes before any change
         rng = np.random.default_rng([self.random_state, len(self._rows)])
-        rows = sides + [s for _ in range(max(self.copies_, 1)) for s in self._varied(clips, rng)]
+        wanted = max(self.copies_, 1) if copies is None else copies
+        rows = sides + [s for _ in range(wanted) for s in self._varied(clips, rng)]
         if label not in self.classes_:
             self.classes_ = np.append(self.classes_, label)
+            self.leeway_ = np.append(self.leeway_, leeway)
             self._ridge.add_target(len(self.classes_) - 1)
             self.doubt_.add_gesture()
         number = int(np.flatnonzero(self.classes_ == label)[0])
@@ -339,7 +361,7 @@ class KernelRecognizer(Classifier):
             )
         if len(self.classes_) == 1:
             raise InputError(f"{label!r} is the only gesture; a recogniser without any is none.")
-        self._ready_to_learn()
+        self.ready_to_learn()
         number = int(np.flatnonzero(self.classes_ == label)[0])
         kept, kept_rows = self.numbers_ != number, self._row_numbers != number
         self._ridge.keep(kept_rows, np.repeat(kept, len(self._similar.kinds)), number)
@@ -348,6 +370,7 @@ class KernelRecognizer(Classifier):
         self._examples = Similarities.comparing(self._similar, self._rows)
         self.names_ = [name for name, keep in zip(self.names_, kept, strict=True) if keep]
         self.classes_ = np.delete(self.classes_, number)
+        self.leeway_ = np.delete(self.leeway_, number)
         self.doubt_.forget_gesture(number)
         self.numbers_ = _renumbered(self.numbers_[kept], number)
         self._row_numbers = _renumbered(self._row_numbers[kept_rows], number)
@@ -359,8 +382,14 @@ class KernelRecognizer(Classifier):
         distances = np.stack([self._examples.distances(sides) for sides in references], axis=1)
         return self._similar.features(distances)
 
-    def _ready_to_learn(self) -> None:
-        """A loaded recogniser knows its weights alone; the first change takes what they came from."""
+    def ready_to_learn(self) -> None:
+        """Take back what the weights came from, which a loaded recogniser does not know: a second or two.
+
+        The first change does this by itself; call it before copying a recogniser that each copy will change.
+
+        Raises:
+            ModelError: If the file this was loaded from is gone or has been replaced.
+        """
         self._recall()
         if not hasattr(self, "_examples"):
             self._examples = Similarities.comparing(self._similar, self._rows)
@@ -397,6 +426,7 @@ class KernelRecognizer(Classifier):
             "names": self.names_,
             "doubt": self.doubt_.facts(),
             "accept_threshold": self.accept_threshold_,
+            "leeway": self.leeway_.tolist(),
             "width": self.width_,
             "ridge": self.ridge_,
             "copies": self.copies_,
@@ -428,6 +458,7 @@ class KernelRecognizer(Classifier):
             self._weights, self._weights_apart = arrays["weights"], arrays["weights_apart"]
             self.doubt_ = Doubt(self.false_reject).restore(facts["doubt"])
             self.accept_threshold_ = float(facts["accept_threshold"])
+            self.leeway_ = np.array(facts.get("leeway", [0.0] * len(self.classes_)))
             self._penalised = int(facts["penalised"])
             self.width_, self.ridge_ = float(facts["width"]), float(facts["ridge"])
             self.copies_, self.apart_ = int(facts["copies"]), bool(facts["apart"])

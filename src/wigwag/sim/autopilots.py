@@ -135,7 +135,8 @@ class FakeArduPilot(FakeAutopilot):
     kind = 3
     first_mode = STABILIZE
     parameters = {  # noqa: RUF012
-        "GUID_TIMEOUT": (1.0, 9), "FS_GCS_ENABLE": (5, 2), "FENCE_ENABLE": (1, 2), "RTL_ALT": (1500, 4),
+        "GUID_TIMEOUT": (1.0, 9), "FS_GCS_ENABLE": (5, 2), "FENCE_ENABLE": (1, 2), "FENCE_ACTION": (4, 2),
+        "RTL_ALT": (1500, 4),
     }  # fmt: skip
 
     def _boot(self) -> None:

@@ -2,26 +2,35 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from wigwag.camera.frame import Frame
 from wigwag.camera.protocol import Source
 from wigwag.errors import InputError
+from wigwag.fly.operator import Mount
 from wigwag.sim.exposure import ExposureConfig
 from wigwag.sim.motion import Operator
 from wigwag.sim.noise import SensorNoiseConfig
 from wigwag.sim.paint import Look
 from wigwag.sim.passerby import Passerby, crossings
+from wigwag.sim.performing import PerformingConfig, plan_performances
 from wigwag.sim.person import Person
-from wigwag.sim.quadrotor import QuadrotorConfig
+from wigwag.sim.quadrotor import EstimateConfig, QuadrotorConfig
 from wigwag.sim.scene import SceneConfig
-from wigwag.sim.script import ScriptConfig, plan_session
+from wigwag.sim.script import Script, ScriptConfig, plan_session
+from wigwag.sim.wind import WindConfig
 from wigwag.sim.world import World, WorldConfig
 
 _OTHERS = 500_000
 """Passers-by are drawn from seeds from here on."""
+
+TRIPOD_M = 1.2
+"""How high a camera stands that nobody flies."""
+
+PERFORMING_M = 4.5
+"""How far off they stand who perform: from nearer, it does not see raised hands and feet at once."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +64,19 @@ class SimulatedCameraConfig:
     """How many things stand near the operator."""
     wall: bool = False
     """Whether a wall in the colour of the operator's shirt stands behind them."""
+    mount: Mount = field(default_factory=Mount)
+    """How it sits on the drone."""
+    person: int | None = None
+    """Who is seen: another number is somebody of other size, tempo and habits. ``None``: follows the seed."""
+    perform: tuple[str, ...] = ()
+    """What they show, again and again (:data:`~wigwag.sim.gestures.PERFORMABLE`); none named: a session of
+    commands and other movements."""
+    times: int = 10
+    """How often, of ``perform``."""
+    pause_s: float = 5.0
+    """Rest after each showing of ``perform``."""
+    tripod: bool = False
+    """Whether the camera stands still, ``TRIPOD_M`` high, as a webcam does, rather than hovers in gusts."""
 
     def __post_init__(self) -> None:
         """Check what the world does not."""
@@ -69,6 +91,39 @@ class SimulatedCameraConfig:
                 f"but got {self.light}, {self.passersby} and {self.near}."
             )
 
+    @property
+    def address(self) -> str:
+        """What of it one would write as an address."""
+        who = "" if self.person is None else f"&person={self.person}"
+        what = f"&perform={','.join(self.perform)}" if self.perform else ""
+        return f"sim:?seed={self.seed}{who}{what}"
+
+    @property
+    def operator(self) -> Person:
+        """Who is seen."""
+        return Person.random(self.seed if self.person is None else self.person)
+
+    @property
+    def carrier(self) -> QuadrotorConfig:
+        """What carries the camera: a drone in gusts, one on the ground, or one that nothing ever moves."""
+        if self.parked:
+            return QuadrotorConfig(position_m=(0.0, 0.0, 0.0))
+        if self.tripod:
+            position_m, still = (0.0, 0.0, TRIPOD_M), WindConfig(gust_m_s=0.0)
+            return QuadrotorConfig(position_m=position_m, wind=still, estimate=EstimateConfig.exact())
+        return QuadrotorConfig()
+
+    def script(self) -> Script:
+        """Plan what they show.
+
+        Raises:
+            InputError: If there is no simulated gesture of a name in ``perform``, or a number is wrong.
+        """
+        if self.perform:
+            config = PerformingConfig(self.times, self.pause_s, self.engage)
+            return plan_performances(self.operator, self.perform, self.seed, config)
+        return plan_session(self.operator, self.seed, ScriptConfig(engage=self.engage))
+
 
 class SimulatedSource(Source):
     """Frames with depth of an operator who shows gestures; the same seed shows the same frames.
@@ -82,7 +137,7 @@ class SimulatedSource(Source):
 
     def __init__(self, config: SimulatedCameraConfig | None = None, endless: bool = False) -> None:
         self.config, self._endless = config or SimulatedCameraConfig(), endless
-        self.address = f"sim:?seed={self.config.seed}"
+        self.address = self.config.address
         self._left = 0
         self.world: World | None = None
         """Open, and what is true in it; for judging only."""
@@ -90,15 +145,15 @@ class SimulatedSource(Source):
     def open(self) -> None:
         """Make the world."""
         c = self.config
-        person = Person.random(c.seed)
-        script = plan_session(person, c.seed, ScriptConfig(engage=c.engage))
+        person, script = c.operator, c.script()
         turned_rad = float(np.radians(c.turned_deg))
         operator = Operator(person, script, (c.distance_m, 0.0), seed=c.seed, turned_rad=turned_rad)
-        look = Look.from_seed(c.seed, person.height_m)
+        look = Look.from_seed(person.seed, person.height_m)
         config = WorldConfig(
             rate_hz=c.rate_hz,
+            mount=c.mount,
             delay_frames=1 if c.parked else 0,
-            quadrotor=QuadrotorConfig(position_m=(0.0, 0.0, 0.0)) if c.parked else QuadrotorConfig(),
+            quadrotor=c.carrier,
             noise=SensorNoiseConfig() if c.noise else None,
             scene=SceneConfig(near=c.near, wall=look.shirt if c.wall else None),
             exposure=ExposureConfig(light=c.light) if c.light < 1 else None,

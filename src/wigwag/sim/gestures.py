@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from wigwag.errors import InputError
+from wigwag.sim.further import FURTHER, FURTHER_SCORES
 from wigwag.sim.kinematics import CHANNEL, CHANNELS, METRES, rest
 from wigwag.sim.person import Person
 from wigwag.sim.scores import (
@@ -26,14 +27,19 @@ from wigwag.sim.scores import (
 )
 
 __all__ = [
-    "BACKGROUND", "COMMANDS", "DISTRACTORS", "SCORES", "TABLE_HZ", "Performance", "minimum_jerk", "perform",
+    "BACKGROUND", "COMMANDS", "DISTRACTORS", "FURTHER", "PERFORMABLE", "SCORES", "TABLE_HZ", "Performance",
+    "minimum_jerk", "perform",
 ]  # fmt: skip
 
 TABLE_HZ = 120.0
 """Rate at which a performance is tabulated; between rows it is interpolated."""
 
-_NAMES = [*sorted(SCORES), *sorted(ENGAGEMENT_SCORES)]
+_ALL = SCORES | ENGAGEMENT_SCORES | FURTHER_SCORES
+_NAMES = [*sorted(SCORES), *sorted(ENGAGEMENT_SCORES), *sorted(FURTHER_SCORES)]
 """A name's place chooses its repetitions, so that new names go to the end."""
+
+PERFORMABLE = (*COMMANDS, *FURTHER, *BACKGROUND, *DISTRACTORS)
+"""What a simulated operator can be told to show."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +76,7 @@ def perform(name: str, person: Person, seed: int | Sequence[int] = 0) -> Perform
     """Let a person show a gesture once.
 
     Args:
-        name: One of ``SCORES``, or ``"engage"`` or ``"disengage"``.
+        name: One of ``PERFORMABLE``, or ``"engage"`` or ``"disengage"``.
         person: Whose speed, size and habits.
         seed: Chooses the repetition; the same seed gives the same movement.
 
@@ -87,7 +93,7 @@ def perform(name: str, person: Person, seed: int | Sequence[int] = 0) -> Perform
     rng = np.random.default_rng([person.seed, _NAMES.index(name), *np.atleast_1d(seed)])
     preferred = person.handedness
     hand = preferred if rng.random() < 0.8 else other_side(preferred)
-    tracks = _tracks((SCORES | ENGAGEMENT_SCORES)[name](hand), person, rng)
+    tracks = _tracks(_ALL[name](hand), person, rng)
     end = max(times[-1] for times, _ in tracks.values())
     clock = np.arange(int(np.ceil(end * TABLE_HZ)) + 2) / TABLE_HZ
     table = np.zeros((len(clock), len(CHANNELS)))

@@ -36,7 +36,12 @@ def _both(**values: float) -> dict[str, float]:
 
 
 def _one(side: Side, **values: float) -> dict[str, float]:
+    """Set channels of one arm or foot."""
     return {f"{side}_{name}": value for name, value in values.items()}
+
+
+both_sides, one_side = _both, _one
+"""The same for other files of scores."""
 
 
 def other_side(side: Side) -> Side:

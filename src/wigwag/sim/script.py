@@ -15,7 +15,7 @@ from jaxtyping import Float
 
 from wigwag.errors import InputError
 from wigwag.fly.values import Command
-from wigwag.sim.gestures import BACKGROUND, COMMANDS, DISTRACTORS, Performance, perform
+from wigwag.sim.gestures import BACKGROUND, COMMANDS, DISTRACTORS, FURTHER, Performance, perform
 from wigwag.sim.person import Person
 from wigwag.sim.recorded import Replay
 
@@ -147,19 +147,25 @@ class ScriptConfig:
     """Least gap after take-off and before landing may be answered: the drone needs time to climb."""
     descend_s: float = 4.0
     """Gap after landing: the drone needs time to come down; the operator waits."""
-    step_back_m: float = 1.2
+    step_back_m: float = 1.8
     """How far the operator then steps back from the landed drone: near the ground its camera sees all of
     a person, raised hands included, only from afar."""
 
     def __post_init__(self) -> None:
         """Check the names."""
-        if unknown := set(self.commands) - set(COMMANDS):
-            raise InputError(f"ScriptConfig.commands holds {sorted(unknown)}; known commands: {COMMANDS}.")
-        known = {*BACKGROUND, *DISTRACTORS}
+        known = {*COMMANDS, *FURTHER, *DISTRACTORS}
+        if unknown := set(self.commands) - known:
+            raise InputError(
+                f"ScriptConfig.commands holds {sorted(unknown)}, which are no commands; known "
+                f"commands: {', '.join(sorted(known))}."
+            )
+        known = {*BACKGROUND, *DISTRACTORS, *FURTHER}
         if unknown := set(self.others) - known:
             raise InputError(
                 f"ScriptConfig.others holds {sorted(unknown)}; known movements: {sorted(known)}."
             )
+        if both := set(self.commands) & set(self.others):
+            raise InputError(f"ScriptConfig holds {sorted(both)} as commands and as movements that are none.")
 
 
 def shuffled_order(config: ScriptConfig, rng: np.random.Generator) -> list[tuple[str, bool]]:

@@ -16,6 +16,9 @@ from wigwag.stream.speaker import Look, Speaker, Thresholds
 from wigwag.stream.sureness import Sureness
 from wigwag.stream.watcher import Hypothesis, WatchConfig, Watcher
 
+TAUGHT = "taught_"
+"""Arrays whose names begin so are what a model was taught from; deciding does not need them."""
+
 
 @dataclass(frozen=True, slots=True)
 class StreamModel:
@@ -65,7 +68,7 @@ class StreamModel:
         Raises:
             ModelError: If the file is missing, damaged, of another version, or holds something else.
         """
-        facts, arrays = store.read(path, cls.__name__)
+        facts, arrays = store.read(path, cls.__name__, leave=TAUGHT)
         with store.explained(path):
             commands = facts["commands"]
             watch = WatchConfig()

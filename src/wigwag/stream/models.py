@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from os import PathLike
 
+import numpy as np
+
 from wigwag.errors import ModelError
 from wigwag.recognise import EncodedRecognizer, HeavyRecognizer, KernelRecognizer
 from wigwag.recognise.store import kind_of
+from wigwag.skeleton import Clip, Pose
 from wigwag.stream.gesture_stream import StreamModel
 
 Taught = StreamModel | KernelRecognizer | HeavyRecognizer | EncodedRecognizer
@@ -36,4 +39,27 @@ def load_model(path: str | PathLike[str]) -> tuple[Taught, tuple[str, ...]]:
     return model, tuple(str(label) for label in spoken if label is not None)
 
 
-__all__ = ["Taught", "load_model"]
+def warm_up(model: Taught) -> None:
+    """Let a model hear somebody who waves, once: so what it compiles at first use is there before a flight.
+
+    The first gesture would otherwise be understood seconds late, and the loop that flies would wait for it.
+    """
+    stamps = np.arange(90, dtype=np.int64) * 33_333_333
+    joints = np.zeros((len(stamps), 13, 3)) + _SOMEBODY
+    joints[:, 4:7, 1] -= 0.4 * np.sin(stamps * 4e-9)[:, None]
+    if not isinstance(model, StreamModel):
+        model.recognise(Clip(joints, stamps))
+        return
+    stream = model.stream()
+    for body, stamp_ns in zip(joints, stamps, strict=True):
+        stream.update(Pose(body, np.ones(13), int(stamp_ns)))
+
+
+_SOMEBODY = np.array([
+    [0, -0.75, 4], [0.2, -0.5, 4], [-0.2, -0.5, 4], [0.25, -0.2, 4], [-0.25, -0.2, 4], [0.25, 0.05, 4],
+    [-0.25, 0.05, 4], [0.12, 0, 4], [-0.12, 0, 4], [0.12, 0.45, 4], [-0.12, 0.45, 4], [0.12, 0.9, 4],
+    [-0.12, 0.9, 4],
+])  # fmt: skip
+"""A standing person's 13 landmarks, camera optical frame, metres."""
+
+__all__ = ["Taught", "load_model", "warm_up"]

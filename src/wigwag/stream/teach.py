@@ -71,17 +71,34 @@ def teach_stream(
         >>> said = [gesture.label for pose in poses if (gesture := stream.update(pose)) is not None]
     """
     config = config or StreamConfig()
+    watched = lesson_streams(clips, background, streams, random_state)
+    _check({showing.label for one in watched for showing in one.showings}, config)
+    return Lesson(watched, origin, random_state).learn(config)
+
+
+def lesson_streams(
+    clips: Sequence[Clip],
+    background: Sequence[Clip] = (),
+    streams: Sequence[LabelledStream] = (),
+    random_state: int = 0,
+) -> list[LabelledStream]:
+    """Return the streams that :func:`teach_stream` learns from: those given, and those put together of clips.
+
+    Args:
+        clips: As there.
+        background: As there.
+        streams: As there.
+        random_state: Seed.
+    """
     rng = np.random.default_rng(random_state)
     labelled = [clip for clip in clips if clip.label is not None]
     others = [*background, *(clip for clip in clips if clip.label is None)]
     shown = {(s.stream.subject, showing.label) for s in streams for showing in s.showings}
     missing = [clip for clip in labelled if (clip.subject, clip.label) not in shown]
     people = {clip.subject for clip in missing} | {s.stream.subject for s in streams if s.showings}
-    _check({label for _, label in shown} | {str(clip.label) for clip in missing}, config)
     watched = [*streams, *_assembled(missing, others, rng, alone=len(people) == 1 and not shown)]
     watched += [LabelledStream(clip) for clip in others if clip.duration_s > _LONG_S]
-    watched += _strung([clip for clip in others if clip.duration_s <= _LONG_S], rng)
-    return Lesson(watched, origin, random_state).learn(config)
+    return watched + _strung([clip for clip in others if clip.duration_s <= _LONG_S], rng)
 
 
 def _check(labels: set[str], config: StreamConfig) -> None:
@@ -119,4 +136,4 @@ def _strung(clips: Sequence[Clip], rng: np.random.Generator) -> list[LabelledStr
     return streams
 
 
-__all__ = ["LabelledStream", "Showing", "StreamModel", "teach_stream"]
+__all__ = ["LabelledStream", "Showing", "StreamModel", "lesson_streams", "teach_stream"]

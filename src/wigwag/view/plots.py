@@ -103,9 +103,9 @@ def errors(log: FlightLog) -> str:
     time = np.array([row.time_s for row in log.rows])
     flown = np.array([row.flying for row in log.rows])
     series = (
-        ("bearing error in degrees", [row.bearing_deg for row in log.rows], BLUE),
-        ("distance error in m", [row.distance_error_m for row in log.rows], ORANGE),
-        ("altitude in m", [row.drone_m[2] for row in log.rows], INK),
+        ("bearing error, °", [row.bearing_deg for row in log.rows], BLUE),
+        ("distance error, m", [row.distance_error_m for row in log.rows], ORANGE),
+        ("altitude, m", [row.drone_m[2] for row in log.rows], INK),
     )
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(10.5, 5.2), layout="constrained")

@@ -15,6 +15,7 @@ from jaxtyping import UInt8
 from jinja2 import Environment
 
 from wigwag.evaluate.flight import FlightLog, judge
+from wigwag.recognise.explain import Explanation
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +24,8 @@ class Still:
 
     caption: str
     jpeg: bytes
+    why: Explanation | None = None
+    """What it came from, if that can be told: drawn beside its nearest examples."""
 
 
 def jpeg(rgb: UInt8[np.ndarray, "height width 3"], width: int = 420) -> bytes:
@@ -50,6 +53,7 @@ def write_report(
         film: The MP4 to embed.
     """
     from wigwag.view import plots  # and matplotlib with it: 30 MB that nobody needs in flight
+    from wigwag.view.explained import svg_of
 
     judgement = judge(log.shown, log.events)
     rows = [
@@ -82,6 +86,7 @@ def write_report(
         false=false,
         stills=[{"caption": s.caption, "data": base64.b64encode(s.jpeg).decode()} for s in stills],
         film=None if film is None else _base64_of(film),
+        explained=({"caption": s.caption, "svg": svg_of(s.why)} for s in stills if s.why is not None),
         timeline=plots.timeline(log),
         path=plots.path(log),
         errors=plots.errors(log),

@@ -281,3 +281,13 @@ def test_configuration_is_checked():
         MavlinkConfig(stream_hz=0)
     with pytest.raises(InputError, match="fresh_s"):
         MavlinkConfig(fresh_s=1.0)
+
+
+@pytest.mark.parametrize("action", [1, 3, 4, 6])
+def test_whatever_returns_first_is_warned_about(action):
+    """FS_GCS_ENABLE 6 (landing sequence, or return to launch) used to pass."""
+    fake = FakeArduPilot()
+    fake.parameters |= {"FS_GCS_ENABLE": (action, 2), "FENCE_ACTION": (0, 2)}
+    said = "\n".join(connected(fake).vehicle.warnings)
+    assert f"FS_GCS_ENABLE is {action}" in said
+    assert "FENCE_ACTION is 0" in said

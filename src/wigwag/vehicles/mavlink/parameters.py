@@ -103,7 +103,7 @@ def _guided_timeout(v: Values) -> str:
 
 def _gcs_failsafe(v: Values) -> str:
     action = int(v["FS_GCS_ENABLE"])
-    if action not in (1, 2, 3, 4):
+    if action not in (1, 2, 3, 4, 6):
         return ""
     return (
         f"FS_GCS_ENABLE is {action}: when a ground station is lost, ArduPilot climbs to {_rtl_m(v)} and "
@@ -112,9 +112,13 @@ def _gcs_failsafe(v: Values) -> str:
 
 
 def _ardupilot_fence(v: Values) -> str:
-    if int(v["FENCE_ENABLE"]):
-        return ""
-    return "FENCE_ENABLE is 0: ArduPilot has no geofence. Set FENCE_ENABLE 1, FENCE_RADIUS and FENCE_ALT_MAX."
+    if not int(v["FENCE_ENABLE"]):
+        return (
+            "FENCE_ENABLE is 0: ArduPilot has no geofence. Set it to 1, with FENCE_RADIUS and FENCE_ALT_MAX."
+        )
+    if not int(v["FENCE_ACTION"]):
+        return "FENCE_ACTION is 0: ArduPilot only tells that it left its geofence. Set 4 (Brake or Land)."
+    return ""
 
 
 def _rtl_m(v: Values) -> str:
@@ -133,7 +137,7 @@ PX4_ADVICE = (
 ARDUPILOT_ADVICE = (
     Advice(("GUID_TIMEOUT",), _guided_timeout),
     Advice(("FS_GCS_ENABLE",), _gcs_failsafe),
-    Advice(("FENCE_ENABLE",), _ardupilot_fence),
+    Advice(("FENCE_ENABLE", "FENCE_ACTION"), _ardupilot_fence),
 )
 OPTIONAL = ("RTL_ALT_M", "RTL_ALT")
 """Read for the text alone; which of the two there is depends on ArduPilot's version."""
