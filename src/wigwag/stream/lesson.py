@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, Int
 
+from wigwag.errors import InputError
 from wigwag.recognise.similarity import Sides
 from wigwag.skeleton import Clip, Pose
 from wigwag.stream.assemble import at_rate
@@ -18,7 +19,7 @@ from wigwag.stream.prefix import NOTHING, Memory, PrefixModel, Shares
 from wigwag.stream.rehearse import Rehearsal, choose, limits_of
 from wigwag.stream.sureness import Sureness
 from wigwag.stream.ticks import RATE_HZ
-from wigwag.stream.truth import LabelledStream, Meaning, Showing, meaning, with_onsets
+from wigwag.stream.truth import LabelledStream, Meaning, Showing, meaning
 from wigwag.stream.watcher import Hypothesis, WatchConfig, Watcher
 
 Origin = Literal["start", "drift"]
@@ -51,6 +52,9 @@ class Lesson:
         streams: With their truth.
         origin: Of the canonical form.
         seed: Of what is drawn.
+
+    Raises:
+        InputError: If a showing is an action point, which has no beginning.
     """
 
     def __init__(self, streams: Sequence[LabelledStream], origin: Origin = "start", seed: int = 0) -> None:
@@ -58,12 +62,12 @@ class Lesson:
         self.rng = np.random.default_rng([0x1E55, seed])
         self.seed = seed
         self.model = PrefixModel(origin)
-        self.truth: list[tuple[Showing, ...]] = []
-        for one in self.streams:
-            showings = one.showings
-            if any(showing.is_point for showing in showings):
-                showings = with_onsets(showings, [h for h, _ in watch(one.stream)])
-            self.truth.append(showings)
+        self.truth = [one.showings for one in self.streams]
+        if any(showing.is_point for truth in self.truth for showing in truth):
+            raise InputError(
+                "teach_stream needs to know where gestures begin and end, but a showing is an action point; "
+                "teach those with teach_moments."
+            )
         self.fold = self._folds()
 
     def learn(self, config: StreamConfig) -> StreamModel:
@@ -82,7 +86,7 @@ class Lesson:
             one.signs[:, 4] += np.log(typical[one.decided])
         self.model.typical = typical
         sureness, probabilities = self._be_sure(rehearsals)
-        thresholds, config = choose(rehearsals, probabilities, self.model.labels, config)
+        thresholds = choose(rehearsals, probabilities, self.model.labels, config)
         self.model.limits = limits_of(rehearsals, len(self.model.labels))
         return StreamModel(self.model, sureness, thresholds, config)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -16,10 +16,6 @@ from wigwag.stream.watcher import Hypothesis
 
 _GOING_ON = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.93, 0.95, 0.97, 0.98, 0.985, 0.99, 0.995)
 _AT_REST = (0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99)
-_EARLINESS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8)
-_EXACT_S = 1 / 3
-"""How far from an exact moment a decision may lie."""
-
 _LEAST = min(*_GOING_ON, *_AT_REST)
 _EARLY = 0.02
 """How much better or worse thresholds may be for deciding everything before its end, or nothing."""
@@ -54,7 +50,7 @@ class Tally:
     """Of those found: decided before the gesture's end."""
     missed: int
     hours: float
-    """Of streams in which everything is marked."""
+    """Of all streams."""
 
     @property
     def f1(self) -> float:
@@ -80,28 +76,22 @@ def choose(
     probabilities: Sequence[Float[np.ndarray, " looks"]],
     labels: Sequence[str],
     config: StreamConfig,
-) -> tuple[Thresholds, StreamConfig]:
+) -> Thresholds:
     """Return the thresholds of most worth that keep to the false commands allowed.
 
     If none keep to it, those with the fewest. A command said of another gesture counts in the worth; it is
-    no everyday movement, and nobody shows gestures for hours. Where gestures are to be recognised at an
-    exact moment, how early to decide follows from that, and comes back in the configuration.
+    no everyday movement, and nobody shows gestures for hours.
     """
-    exact = any(showing.exact for one in rehearsals for showing in one.truth)
-    configs = [replace(config, earliness=e) for e in _EARLINESS] if exact else [config]
-    best, chosen = (False, -np.inf, -np.inf), (Thresholds(_GOING_ON[-1], _AT_REST[-1]), config)
-    for setting in configs:
-        looks = [
-            _looks(one, sure, labels, setting) for one, sure in zip(rehearsals, probabilities, strict=True)
-        ]
-        for going_on, at_rest in product(_GOING_ON, _AT_REST):
-            thresholds = Thresholds(going_on, at_rest)
-            tally = hear(rehearsals, looks, setting, thresholds)
-            keeps = tally.false_per_hour <= config.false_per_hour
-            least = 0.0 if keeps else -tally.false_per_hour
-            worth = (keeps, least, tally.worth(0.0 if exact else config.earliness))
-            if worth >= best:
-                best, chosen = worth, (thresholds, setting)
+    best, chosen = (False, -np.inf, -np.inf), Thresholds(_GOING_ON[-1], _AT_REST[-1])
+    looks = [_looks(one, sure, labels, config) for one, sure in zip(rehearsals, probabilities, strict=True)]
+    for going_on, at_rest in product(_GOING_ON, _AT_REST):
+        thresholds = Thresholds(going_on, at_rest)
+        tally = hear(rehearsals, looks, config, thresholds)
+        keeps = tally.false_per_hour <= config.false_per_hour
+        least = 0.0 if keeps else -tally.false_per_hour
+        worth = (keeps, least, tally.worth(config.earliness))
+        if worth >= best:
+            best, chosen = worth, thresholds
     return chosen
 
 
@@ -127,11 +117,9 @@ def hear(
                 early += look.now_ns <= wanted[mine[0]].end_ns
             else:
                 false += 1
-                # Where moments are marked, movements are not: there is no telling what is everyday.
-                on_gestures += any(showing.exact or _meets(look, showing) for showing in one.truth)
+                on_gestures += any(_meets(look, showing) for showing in one.truth)
         missed += len(wanted) - len(answered)
-        if not any(showing.exact for showing in one.truth):
-            hours += one.duration_s / 3600
+        hours += one.duration_s / 3600
     return Tally(found, false, on_gestures, early, missed, hours)
 
 
@@ -160,9 +148,7 @@ def _looks(
 
 def _about(look: Look, showing: Showing) -> bool:
     """Say whether a decision is about a showing."""
-    if showing.exact and abs(look.now_ns - showing.end_ns) * 1e-9 > _EXACT_S:
-        return False
-    return look.label == showing.label and (showing.exact or _meets(look, showing))
+    return look.label == showing.label and _meets(look, showing)
 
 
 def _meets(look: Look, showing: Showing) -> bool:

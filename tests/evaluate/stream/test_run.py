@@ -215,6 +215,18 @@ def test_faults_are_counted_and_exceptions_do_not_stop_it() -> None:
         watch(Broken(), stream, poses)
 
 
+def test_a_record_is_there_before_the_next_is_begun() -> None:
+    steps: list[str] = []
+    config = StreamBenchmarkConfig("6", rounds=1, lesson_rounds=1, corrupt=("nan",))
+    for row in run_system(
+        material(), "arms", ["utd-mhad", "utkinect"], config, lambda what, done, total: steps.append(what)
+    ):
+        steps.append(f"{row['data']} {row['corrupt']}")
+    first = steps.index("utd-mhad None")
+    assert steps[first + 1] == "utd-mhad nan"
+    assert all(step.startswith("utkinect") for step in steps[first + 2 :])
+
+
 def test_what_is_not_there_is_said() -> None:
     with pytest.raises(DataError, match="precog: nothing was read that could be shown"):
         run("deaf", "precog")
@@ -253,6 +265,9 @@ def test_action_points_are_judged_by_their_moment() -> None:
     assert rows["msrc12, judged only"]["people"] == 5
     assert rows["msrc12"]["events"] == 30
     assert rows["msrc12"]["event_f1"] is None
+    assert [said.partition(":")[0] for said in rows["msrc12"]["action_point_f1_of"]] == [
+        f"fold {number}" for number in range(1, 6)
+    ]
     assert 0.5 < rows["msrc12"]["action_point_f1"] <= 1
     assert rows["msrc12"]["false_positive_rate"] == pytest.approx(1 - rows["msrc12"]["detection_rate"])
 
