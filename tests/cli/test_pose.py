@@ -57,7 +57,7 @@ def test_bad_files_are_named_and_the_rest_goes_on(
     assert [row["file"] for row in rows] == [str(p) for p in (text, empty, gone, tmp_path, blank)]
     assert not any(row["found"] for row in rows)
     assert rows[-1]["error"] is None
-    assert {row["command"] for row in rows} == {"pose"}
+    assert {row["command"] for row in rows} == {"wigwag pose"}
     assert {row["version"] for row in rows} == {__version__}
 
 
