@@ -48,6 +48,7 @@ class Vocabulary:
     def run(self) -> int:
         """Check, print what was found, draw it; 1 if a pair is too alike."""
         from wigwag.cli.benchmark_text import bar_of_steps, wide_console
+        from wigwag.cli.targets import make_folder
         from wigwag.evaluate.records import Records, command_line
         from wigwag.evaluate.vocabulary import check_model, check_vocabulary
         from wigwag.evaluate.vocabulary_pictures import draw_report
@@ -55,6 +56,8 @@ class Vocabulary:
         console = wide_console()
         name = "wigwag vocabulary check" + (f" {shlex.quote(str(self.clips))}" if self.clips else "")
         records = Records(self.json, command_line(name, replace(self, clips=None)), self.seed)
+        if self.out is not None:
+            make_folder(self.out, "--out")
         everyday = self._everyday()
         clips: list[Clip] = []
         if self.clips is not None and self.clips.is_file():
