@@ -56,14 +56,14 @@ class Vocabulary:
         console = wide_console()
         name = "wigwag vocabulary check" + (f" {shlex.quote(str(self.clips))}" if self.clips else "")
         records = Records(self.json, command_line(name, replace(self, clips=None)), self.seed)
-        if self.out is not None:
-            make_folder(self.out, "--out")
         everyday = self._everyday()
         clips: list[Clip] = []
         if self.clips is not None and self.clips.is_file():
             with bar_of_steps(console) as bar:
                 report = check_model(self.clips, everyday, seed=self.seed, progress=bar("checking"))
         else:
+            if self.out is not None:
+                make_folder(self.out, "--out")
             clips = self._clips(console)
             with bar_of_steps(console) as bar:
                 report = check_vocabulary(clips, everyday, seed=self.seed, progress=bar("checking"))
