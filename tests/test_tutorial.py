@@ -19,7 +19,8 @@ TUTORIAL = Path(__file__).parents[1] / "docs" / "tutorial.md"
 def commands() -> list[list[str]]:
     """Return what is typed in the tutorial's shell blocks, a line a command."""
     blocks = re.findall(r"^```sh\n(.*?)^```", TUTORIAL.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
-    return [shlex.split(line) for block in blocks for line in block.splitlines() if line.strip()]
+    lines = [line for block in blocks for line in block.replace("\\\n", " ").splitlines()]
+    return [shlex.split(line) for line in lines if line.strip()]
 
 
 @pytest.fixture(scope="module")

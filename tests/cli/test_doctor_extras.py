@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from wigwag.camera.extras import pip_install
 from wigwag.cli import doctor
 from wigwag.cli.doctor import Finding, check_extras, install_line
 
@@ -24,7 +25,7 @@ def test_extras_are_grouped_and_none_is_needed():
     assert "pytest" in tests.detail and "hypothesis" in tests.detail
     assert boats.state == "optional"
     assert boats.detail == "not installed: no-such-package-here"
-    assert boats.fix == "python -m pip install 'wigwag[boats]'"
+    assert boats.fix.endswith("python -m pip install 'wigwag[boats]'")
 
 
 def test_every_extra_of_the_project_is_checked():
@@ -45,7 +46,7 @@ def test_an_extra_that_does_not_load_says_why(monkeypatch: pytest.MonkeyPatch, t
     (tests,) = check_extras(["hypothesis; extra == 'tests'"])
     assert tests.state == "optional"
     assert "cannot be imported (ImportError: libGL.so.1 is not there)" in tests.detail
-    assert tests.fix == "python -m pip install --force-reinstall 'wigwag[tests]'"
+    assert tests.fix.endswith("python -m pip install --force-reinstall 'wigwag[tests]'")
 
 
 def test_one_line_installs_all_that_is_not_here():
@@ -56,10 +57,20 @@ def test_one_line_installs_all_that_is_not_here():
         Finding("extra ros2", "optional", "its packages exist for Python 3.11 alone"),
         Finding("extra mavlink", "optional", "", "python -m pip install 'wigwag[mavlink]'"),
     ]
-    assert install_line(findings) == "python -m pip install 'wigwag[view,mavlink]'"
+    assert install_line(findings).endswith("python -m pip install 'wigwag[view,mavlink]'")
     assert install_line(findings[:1]) == ""
 
 
 def test_the_line_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
     doctor._show([Finding("extra boats", "optional", "", "python -m pip install 'wigwag[boats]'")])
-    assert "All extras that are not here: python -m pip install 'wigwag[boats]'" in capsys.readouterr().out
+    assert capsys.readouterr().out.splitlines()[-2].endswith("python -m pip install 'wigwag[boats]'")
+
+
+def test_the_line_installs_into_this_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("UV", "/usr/bin/uv")  # as `uv run` sets it: the shell's own python is another
+    assert pip_install("wigwag[view]") == "uv run python -m pip install 'wigwag[view]'"
+    monkeypatch.delenv("UV")
+    monkeypatch.setenv("PATH", str(Path(sys.executable).parent))
+    assert pip_install("numpy") == "python -m pip install numpy"
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert pip_install("numpy>=2") == f"{sys.executable} -m pip install 'numpy>=2'"

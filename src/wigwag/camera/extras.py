@@ -5,10 +5,32 @@ from __future__ import annotations
 import ctypes
 import importlib
 import importlib.util
+import os
+import shlex
+import shutil
+import sys
 from contextlib import suppress
 from typing import Any
 
 from wigwag.errors import MissingExtraError
+
+
+def pip_install(*words: str) -> str:
+    """Return the line that installs something into the environment that this runs in, not into another.
+
+    Args:
+        words: Requirements and options.
+
+    Example:
+        >>> pip_install("wigwag[view]").endswith("python -m pip install 'wigwag[view]'")
+        True
+    """
+    said = f"-m pip install {shlex.join(words)}"
+    if "UV" in os.environ:  # set by `uv run`; its environment is not the shell's
+        return f"uv run python {said}"
+    found = shutil.which("python")
+    here = found is not None and os.path.abspath(found) == os.path.abspath(sys.executable)
+    return f"{'python' if here else shlex.quote(sys.executable)} {said}"
 
 
 def load(module: str, extra: str, what: str) -> Any:
@@ -27,7 +49,7 @@ def load(module: str, extra: str, what: str) -> Any:
     except ImportError as error:
         raise MissingExtraError(
             f"{what} needs the package {module.partition('.')[0]}, which cannot be imported ({error}). "
-            f"Install it with: python -m pip install 'wigwag[{extra}]'"
+            f"Install it with: {pip_install(f'wigwag[{extra}]')}"
         ) from error
 
 
@@ -45,7 +67,7 @@ def require(module: str, extra: str, what: str) -> None:
     if importlib.util.find_spec(module) is None:
         raise MissingExtraError(
             f"{what} needs the package {module}, which is not installed. "
-            f"Install it with: python -m pip install 'wigwag[{extra}]'"
+            f"Install it with: {pip_install(f'wigwag[{extra}]')}"
         )
 
 

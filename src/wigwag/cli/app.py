@@ -72,6 +72,12 @@ def run(argv: Sequence[str] | None = None) -> int:
             f"[bold red]error:[/] {escape(str(error))}", highlight=False, soft_wrap=True
         )
         return 2
+    except OSError as error:
+        if error.filename is None:  # no file or folder that somebody named: a fault of ours
+            raise
+        text = f"{error.filename}: {error.strerror}"
+        Console(stderr=True).print(f"[bold red]error:[/] {escape(text)}", highlight=False, soft_wrap=True)
+        return 2
     except KeyboardInterrupt:
         Console(stderr=True).print("stopped")
         return 130

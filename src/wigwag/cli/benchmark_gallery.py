@@ -35,10 +35,13 @@ class GalleryBenchmark:
     def run(self) -> int:
         """Measure size by size, print the table, write records and plot."""
         from wigwag.cli.benchmark_text import bar_of_steps, wide_console
+        from wigwag.cli.targets import check_file
         from wigwag.distances import Gallery
         from wigwag.evaluate.gallery import EnrolledClips, draw_growth, growth, measure
         from wigwag.evaluate.records import Records, command_line
 
+        if self.out is not None:
+            check_file(self.out, "--out")
         console = wide_console()
         records = Records(self.json, command_line("wigwag benchmark gallery", self), self.seed)
         gallery = Gallery(shortlist=self.shortlist)

@@ -50,11 +50,14 @@ class UtdMhadBenchmark:
         from rich.markup import escape
 
         from wigwag.cli.benchmark_text import wide_console
+        from wigwag.cli.targets import make_folder
         from wigwag.errors import InputError
         from wigwag.evaluate.records import Records, command_line
 
         if self.seeds < 1:
             raise InputError(f"--seeds must be 1 or more, but got {self.seeds}.")
+        if self.out is not None:
+            make_folder(self.out, "--out")
         console = wide_console()
         records = Records(self.json, command_line("wigwag benchmark utd-mhad", self), self.seed)
         clips = self._load(console)

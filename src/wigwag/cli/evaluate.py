@@ -44,6 +44,7 @@ class Evaluate:
         from threadpoolctl import threadpool_limits
 
         from wigwag.cli.benchmark_text import bar_of_steps, read, wide_console
+        from wigwag.cli.targets import make_folder
         from wigwag.datasets.folder import load_folder
         from wigwag.evaluate.records import Records
         from wigwag.evaluate.taught import evaluate
@@ -53,6 +54,8 @@ class Evaluate:
             raise InputError(f"--least must be from 0 to 1, but got {self.least}.")
         command = shlex.join(["wigwag", "evaluate", str(self.model), str(self.clips)])
         records = Records(self.json, command, 0)
+        if self.out is not None:
+            make_folder(self.out, "--out")
         console = wide_console()
         model, spoken = load_model(self.model)
         loaded = read(console, str(self.clips), lambda _: load_folder(self.clips))

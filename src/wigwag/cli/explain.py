@@ -42,6 +42,7 @@ class Explain:
         from threadpoolctl import threadpool_limits
 
         from wigwag.cli.replay import taught_in
+        from wigwag.cli.targets import make_folder
         from wigwag.record.flight import Flight
         from wigwag.record.replay import Replay
         from wigwag.stream.overhear import Overhearing, parts_of
@@ -54,10 +55,7 @@ class Explain:
             if taught is None:
                 raise InputError(f"{self.flight}: holds no model. Name one with --model.")
             parts_of(taught)  # what cannot be explained is told before anything is done
-            try:
-                self.out.mkdir(parents=True, exist_ok=True)
-            except OSError as error:
-                raise InputError(f"--out {self.out}: cannot be made a folder ({error}).") from error
+            make_folder(self.out, "--out")
             listener = Overhearing(taught, flight.config.spot)
             for at_s, why in self._explained(Replay(flight, listener), listener):
                 name = f"{len(told) + 1:03}_{why.gesture.label or 'none'}.png"

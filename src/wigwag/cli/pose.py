@@ -150,7 +150,7 @@ def _record(path: Path, body: Body | None, error: str | None) -> dict[str, Any]:
         "score": None if body is None or body.score is None else round(body.score, 4),
         "clarity": None if body is None or body.clarity is None else round(body.clarity, 4),
         "error": error,
-        "command": "pose",
+        "command": "wigwag pose",
         "seed": None,
         "version": __version__,
     }

@@ -64,6 +64,7 @@ class Teach:
         from threadpoolctl import threadpool_limits
 
         from wigwag.cameras import open_camera, parse_camera
+        from wigwag.cli.targets import check_file, make_folder
         from wigwag.datasets.folder import safe_name
         from wigwag.evaluate.records import Records, command_line
         from wigwag.evaluate.taught import judge_of
@@ -74,10 +75,13 @@ class Teach:
         safe_name(self.gesture)
         lesson = self._lesson(parse_camera(self.camera).kind)
         records, console = Records(self.json, command_line("wigwag teach", self), 0), Console()
+        check_file(self.model, "--model")
+        make_folder(self.clips, "--clips")
         with threadpool_limits(1):
+            estimator = self._estimator()
             student = self._student(console)
             with console.status("opening the camera"):
-                estimator, camera = self._estimator(), open_camera(self.camera)
+                camera = open_camera(self.camera)
             with camera:
                 teacher = Teacher(self.gesture, self.subject, judge_of(student, self.gesture), lesson)
                 last = self._record(console, camera, estimator, teacher)
@@ -107,12 +111,15 @@ class Teach:
         return LessonConfig(self.repetitions, countdown_s)
 
     def _student(self, console: Console) -> Student:
+        from wigwag.cameras import open_camera
         from wigwag.evaluate.taught import teach_base
         from wigwag.teach.student import open_student
 
         if self.model.exists():
             with console.status(f"reading {self.model}"):
                 return open_student(self.model)
+        with console.status("trying the camera"), open_camera(self.camera):
+            pass  # what cannot be opened is told now, not after a minute of teaching
         with console.status("teaching the demo's ten commands first, by eight simulated people ..."):
             student = teach_base(self.model, self.recognizer)
         console.print(f"{self.model}: begun with the demo's ten commands.", highlight=False)

@@ -36,6 +36,7 @@ class Train:
     def run(self) -> int:
         """Read, teach, save; return 0, or 1 if clips were left out."""
         from wigwag.cli.benchmark_text import read, wide_console
+        from wigwag.cli.targets import check_file
         from wigwag.datasets.folder import load_folder
         from wigwag.evaluate.records import Records
         from wigwag.evaluate.taught import train
@@ -43,6 +44,7 @@ class Train:
         command = ["wigwag", "train", str(self.clips), "-o", str(self.output)]
         command += ["--recognizer", self.recognizer, "--seed", str(self.seed)]
         records = Records(self.json, shlex.join(command), self.seed)
+        check_file(self.output, "--output")
         console = wide_console()
         loaded = read(console, str(self.clips), lambda _: load_folder(self.clips))
         with console.status("teaching"):

@@ -48,6 +48,7 @@ class Vocabulary:
     def run(self) -> int:
         """Check, print what was found, draw it; 1 if a pair is too alike."""
         from wigwag.cli.benchmark_text import bar_of_steps, wide_console
+        from wigwag.cli.targets import make_folder
         from wigwag.evaluate.records import Records, command_line
         from wigwag.evaluate.vocabulary import check_model, check_vocabulary
         from wigwag.evaluate.vocabulary_pictures import draw_report
@@ -61,6 +62,8 @@ class Vocabulary:
             with bar_of_steps(console) as bar:
                 report = check_model(self.clips, everyday, seed=self.seed, progress=bar("checking"))
         else:
+            if self.out is not None:
+                make_folder(self.out, "--out")
             clips = self._clips(console)
             with bar_of_steps(console) as bar:
                 report = check_vocabulary(clips, everyday, seed=self.seed, progress=bar("checking"))

@@ -95,7 +95,7 @@ def _nearest(shown: Clip, others: Sequence[Clip], label: str, form: CanonicalFor
 
 
 def _strip(axes: Axes, clip: Clip, form: CanonicalForm) -> None:
-    """Draw a movement's moments side by side; the person's left is light, their right dark."""
+    """Draw a movement's moments side by side."""
     for moment, joints in enumerate(form.apply(clip).joints):
         draw_figure(axes, joints, 2.2 * moment)
     axes.set_aspect("equal")
@@ -103,7 +103,7 @@ def _strip(axes: Axes, clip: Clip, form: CanonicalForm) -> None:
 
 
 def draw_figure(axes: Axes, joints: Float[np.ndarray, "13 3"], right: float) -> None:
-    """Draw one moment as a stick figure; the person's left is orange, their right blue.
+    """Draw one moment as a stick figure; the person's left is blue, their right orange.
 
     Args:
         axes: Where.
@@ -112,7 +112,7 @@ def draw_figure(axes: Axes, joints: Float[np.ndarray, "13 3"], right: float) -> 
     """
     for start, stop in BONES:
         ends = {start, stop}
-        color = "tab:orange" if ends & _LEFT else "tab:blue" if ends & _RIGHT else "0.4"
+        color = "tab:blue" if ends & _LEFT else "tab:orange" if ends & _RIGHT else "0.4"
         x, y = joints[[start, stop], 0] + right, -joints[[start, stop], 1]
         axes.plot(x, y, color=color, linewidth=2, solid_capstyle="round")
     head = joints[Landmark.NOSE]

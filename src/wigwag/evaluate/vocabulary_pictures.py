@@ -50,7 +50,7 @@ def draw_pair(first: Clip, second: Clip, titles: tuple[str, str], heading: str, 
         times = frames / (_FRAMES - 1) * movement.duration_s
         _row(axes, movement.joints[frames], times)
         axes.set_title(title, loc="left", fontsize=10)
-    figure.suptitle(f"{heading}\nthe person's left in orange, right in blue", fontsize=11)
+    figure.suptitle(f"{heading}\nthe person's left in blue, right in orange", fontsize=11)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=90)
 

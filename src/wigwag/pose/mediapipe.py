@@ -15,7 +15,7 @@ from typing import Any, Literal
 import numpy as np
 from jaxtyping import Float
 
-from wigwag.camera.extras import load
+from wigwag.camera.extras import load, pip_install
 from wigwag.errors import MissingExtraError, ModelError
 from wigwag.pose.blazepose import check_picture
 from wigwag.pose.body import Body
@@ -190,7 +190,7 @@ def _missing_library(error: Exception) -> MissingExtraError:
     fix = f"apt-get install {package}" if package else f"install the system package with {name or 'it'}"
     return MissingExtraError(
         f"The pose engine 'mediapipe' needs a system library that cannot be loaded ({error}). On Debian and "
-        f"Ubuntu: {fix}. Or install the release that needs none: python -m pip install 'wigwag[mediapipe]'. "
+        f"Ubuntu: {fix}. Or install the release that needs none: {pip_install('wigwag[mediapipe]')}. "
         "The engine 'litert' needs no system library."
     )
 
