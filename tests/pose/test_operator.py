@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from wigwag.errors import InputError
+from wigwag.pose.landmarker import Sighting
 from wigwag.pose.operator import OperatorConfig
+from wigwag.pose.region import Region
 
-from .staged import BLUE, GREEN, RED, Player, Stage, engaging, handed, raised, still, walks
+from .staged import BLUE, GREEN, RED, Player, Stage, engaging, handed, raised, region_of, still, walks
 
 
 def operator_at(x_m: float, z_m: float, **changes: object) -> Player:
@@ -227,6 +230,32 @@ def test_a_moment_unseen_is_forgiven() -> None:
     stage.play(4.8)
     stage.blind = False
     assert 15 < len(handed(stage.play(5.8))) < 29, "a longer gap takes a few frames to be sure"
+
+
+class Crooked(Stage):
+    """Eyes that see somebody off the middle of where they look too low and too large, as the network does."""
+
+    def follow(self, rgb: np.ndarray, region: Region) -> Sighting | None:
+        sighting = super().follow(rgb, region)
+        if sighting is None:
+            return None
+        points = sighting.body.points_px
+        if np.hypot(*(sighting.body.hip_center_px - (region.u, region.v))) < 0.1 * region.side:
+            return sighting
+        hips = points[[23, 24]].mean(axis=0)
+        low = replace(sighting.body, points_px=hips + 1.25 * (points - hips) + (0.0, 60.0))
+        return Sighting(low, region_of(low))
+
+
+def test_after_a_second_without_pictures_the_same_person_is_the_same() -> None:
+    """The drone moved on meanwhile, and the look at where they were shows a crooked body: nobody new."""
+    stage = Crooked([Player(lambda t: (0.0, 4.0) if t < 2.5 else (0.4, 4.0))], engage="first")
+    assert handed(stage.play(2.0))
+    who = stage.estimate.operator
+    stage.t_s = 3.2
+    assert len(handed(stage.play(4.2))) > 25
+    assert who is not None and stage.estimate.operator is not None
+    assert stage.estimate.operator.number == who.number
 
 
 def test_handing_over_needs_both() -> None:

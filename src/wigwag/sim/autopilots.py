@@ -160,7 +160,7 @@ class FakeArduPilot(FakeAutopilot):
             return
         outside = self._outside() and bool(self.parameters["FENCE_ENABLE"][0])
         if outside and not self._breached:
-            self.mode, self.critical = self.RTL, True
+            self.mode = self.RTL  # and does not call that critical (Copter::any_failsafe_triggered)
             self.say("Fence Breached")
         self._breached = outside
         stations = [at for at, system, _ in self.heartbeats if system == 255]
