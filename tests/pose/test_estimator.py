@@ -159,12 +159,11 @@ def test_the_real_network_on_a_real_photo(blazepose: BlazePose, photos: dict[str
     assert span > 3 * shoulders, "both arms stretched to the sides"
 
 
-def test_landmarks_well_seen_stay_as_measured() -> None:
-    """Whatever the body does, full visibility means no filter and no delay."""
+def test_without_smoothing_landmarks_stay_as_measured() -> None:
     moving = [body_at(0.0, 4.0) for _ in range(12)]
     random = np.random.default_rng(0)
     moving = [replace(b, points_px=b.points_px + random.normal(0, 4, (33, 2))) for b in moving]
-    estimate = estimator(*moving)
+    estimate = estimator(*moving, smoothing=None)
     for k, body in enumerate(moving):
         pose = estimate(frame_at(4.0, k))
         assert pose is not None
@@ -181,7 +180,7 @@ def test_feet_that_are_not_seen_hardly_move_and_still_go_where_the_body_goes() -
         points[unseen] += random.normal(0, 15, (2, 2))
         visibility[unseen] = 0.05
         bodies.append(replace(body, points_px=points, visibility=visibility))
-    estimate, raw = estimator(*bodies), estimator(*bodies, trusted=(-2.0, -1.0))
+    estimate, raw = estimator(*bodies), estimator(*bodies, smoothing=None)
     steadied, measured = [], []
     for k in range(60):
         for seen, into in ((estimate, steadied), (raw, measured)):
@@ -195,7 +194,7 @@ def test_feet_that_are_not_seen_hardly_move_and_still_go_where_the_body_goes() -
     np.testing.assert_allclose(np.mean(steadied[20:], axis=0)[:2], truth[:2], atol=0.06)
 
 
-def test_steadying_begins_anew_after_a_reset_and_after_another_person() -> None:
+def test_smoothing_begins_anew_after_a_reset_and_after_another_person() -> None:
     low = replace(body_at(0.0, 4.0), visibility=np.full(33, 0.1))
     raised = low.points_px.copy()
     raised[15, 1] -= 100
