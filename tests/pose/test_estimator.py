@@ -15,6 +15,7 @@ from wigwag.pose.estimator import PoseConfig, PoseEstimator
 from wigwag.pose.lift import LiftConfig
 from wigwag.pose.operator import OperatorConfig
 from wigwag.pose.sides import other_side
+from wigwag.pose.steady import SteadyConfig
 from wigwag.skeleton import Landmark, Pose
 
 CAMERA = Intrinsics()
@@ -159,11 +160,12 @@ def test_the_real_network_on_a_real_photo(blazepose: BlazePose, photos: dict[str
     assert span > 3 * shoulders, "both arms stretched to the sides"
 
 
-def test_without_smoothing_landmarks_stay_as_measured() -> None:
+def test_landmarks_well_seen_stay_as_measured() -> None:
+    """Whatever the body does, full visibility means no filter and no delay."""
     moving = [body_at(0.0, 4.0) for _ in range(12)]
     random = np.random.default_rng(0)
     moving = [replace(b, points_px=b.points_px + random.normal(0, 4, (33, 2))) for b in moving]
-    estimate = estimator(*moving, smoothing=None)
+    estimate = estimator(*moving)
     for k, body in enumerate(moving):
         pose = estimate(frame_at(4.0, k))
         assert pose is not None
@@ -180,7 +182,8 @@ def test_feet_that_are_not_seen_hardly_move_and_still_go_where_the_body_goes() -
         points[unseen] += random.normal(0, 15, (2, 2))
         visibility[unseen] = 0.05
         bodies.append(replace(body, points_px=points, visibility=visibility))
-    estimate, raw = estimator(*bodies), estimator(*bodies, smoothing=None)
+    trusting = SteadyConfig(smooth="never", trusted=(-2.0, -1.0))
+    estimate, raw = estimator(*bodies), estimator(*bodies, steady=trusting)
     steadied, measured = [], []
     for k in range(60):
         for seen, into in ((estimate, steadied), (raw, measured)):
@@ -194,7 +197,7 @@ def test_feet_that_are_not_seen_hardly_move_and_still_go_where_the_body_goes() -
     np.testing.assert_allclose(np.mean(steadied[20:], axis=0)[:2], truth[:2], atol=0.06)
 
 
-def test_smoothing_begins_anew_after_a_reset_and_after_another_person() -> None:
+def test_steadying_begins_anew_after_a_reset_and_after_another_person() -> None:
     low = replace(body_at(0.0, 4.0), visibility=np.full(33, 0.1))
     raised = low.points_px.copy()
     raised[15, 1] -= 100

@@ -13,13 +13,13 @@ from wigwag.errors import InputError
 from wigwag.pose.blazepose import BlazePose, BlazePoseConfig
 from wigwag.pose.body import Body
 from wigwag.pose.engagement import EngagementConfig
-from wigwag.pose.filter import FilterConfig, PoseFilter
 from wigwag.pose.lift import LiftConfig
 from wigwag.pose.monocular import MonocularConfig
 from wigwag.pose.operator import OperatorConfig, OperatorKeeper
 from wigwag.pose.people import People, PeopleConfig, Track
 from wigwag.pose.sides import SidesConfig
 from wigwag.pose.space import InSpace
+from wigwag.pose.steady import Steadier, SteadyConfig
 from wigwag.pose.turning import PictureShift
 from wigwag.pose.watching import BodyTracker, PeopleFinder, WatchConfig, Watcher
 from wigwag.skeleton import Pose
@@ -49,8 +49,8 @@ class PoseConfig:
     head: Literal["ears", "nose"] = "ears"
     """What the first landmark is: the middle of the ears, where a Kinect puts its head joint, so that
     people recorded with a Kinect and people seen by a camera agree; or the nose, as in the paper."""
-    smoothing: FilterConfig | None = field(default_factory=FilterConfig)
-    """How what is handed on is smoothed; ``None``: not at all."""
+    steady: SteadyConfig = field(default_factory=SteadyConfig)
+    """How what is handed on is made steady."""
 
     @classmethod
     def alone(cls) -> PoseConfig:
@@ -104,7 +104,7 @@ class PoseEstimator:
         self._people = People(config.people, config.engagement, config.sides)
         self._keeper = OperatorKeeper(config.operator, self._people)
         self._shift = PictureShift()
-        self._smooth = None if config.smoothing is None else PoseFilter(config.smoothing)
+        self._steady = Steadier(config.steady)
         eyes = tracker or BlazePose(config.blazepose)
         self._watcher = Watcher(eyes, config.watch, self.lift, self._people, self._keeper)
         self.body: Body | None = None
@@ -119,9 +119,7 @@ class PoseEstimator:
         self._keeper.reset()
         self._shift.reset()
         self.body = None
-        self._handed: int | None = None
-        if self._smooth is not None:
-            self._smooth.reset()
+        self._steady.reset()
         self._stamp_ns: int | None = None
 
     @property
@@ -158,7 +156,7 @@ class PoseEstimator:
         self.body = self._watcher.unplaced if shown is None or shown.body is None else shown.body
         if track is None or track.pose is None:
             return None
-        return self._smoothed(track.pose, track.number)
+        return self._steady(track.pose, track.number)
 
     def _check(self, frame: Frame) -> None:
         if frame.depth_mm is None and self.config.monocular is None:
@@ -177,15 +175,6 @@ class PoseEstimator:
     def lift(self, body: Body, frame: Frame) -> Pose | None:
         """Place a body in space by the frame's depth; ``None`` if there is no depth where the person is."""
         return self._in_space(body, frame)
-
-    def _smoothed(self, pose: Pose, number: int) -> Pose:
-        """Smooth one person's poses; another one's begin anew."""
-        if self._smooth is None:
-            return pose
-        if number != self._handed:
-            self._smooth.reset()
-            self._handed = number
-        return self._smooth(pose)
 
     def _person(self, track: Track) -> Person:
         return Person(
