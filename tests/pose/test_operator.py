@@ -181,6 +181,16 @@ def test_who_stands_where_the_operator_stood_is_not_the_operator(clothes: tuple[
     assert not [t for t, _, _ in seen if t > 5.5]
 
 
+@pytest.mark.parametrize("apart_m", [1.0, 1.7, 2.0])
+def test_whoever_is_known_as_somebody_else_does_not_follow_an_operator_who_is_gone(apart_m: float) -> None:
+    """In the same clothes, at the same distance, beside: only who they were tells them apart."""
+    operator = Player(lambda t: (1.5, 4.0) if t < 3.0 else None, up=engaging())
+    stage = Stage([operator, Player(still(1.5 - apart_m, 4.0), shirt=RED)])
+    stage.play(3.0)
+    assert not handed(stage.play(9.0))
+    assert len(stage.estimate.people) == 2
+
+
 def test_until_the_operator_is_released_nobody_who_looks_different_is_let_in() -> None:
     def takes_the_place(t_s: float) -> tuple[float, float] | None:
         return None if t_s < 5.0 else (0.0, 4.0)

@@ -184,8 +184,10 @@ class OperatorKeeper:
         if people.misfit(track, seen, now_ns, slack) >= 1.0 or not people.sized_like(track, seen):
             return False
         mine = people.away_m(track, seen, now_ns)
-        for other in people.close_to(track, now_ns):
-            if other.looks > 2 and other.age_s(now_ns) < 0.5 and people.away_m(other, seen, now_ns) < mine:
+        for other in people.tracks:
+            if other is track or other.looks <= 2 or other.age_s(now_ns) > _KNOWN_S:
+                continue
+            if people.away_m(other, seen, now_ns) < mine:
                 return False
         careful = self._wary(now_ns) or track.age_s(now_ns) > self.config.glitch_s
         return not careful or people.looks_like(track, seen.appearance)
@@ -260,6 +262,8 @@ class OperatorKeeper:
         return "the operator is not seen"
 
 
+_KNOWN_S = 0.8
+"""Who was seen as somebody else so lately is not the operator: of four people, each is looked at so often."""
 _LEANS_M_S = 2.5
 """How fast a trunk bends at most, as the camera sees it."""
 
