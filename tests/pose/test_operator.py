@@ -171,6 +171,20 @@ def test_the_operator_may_walk_while_crossed() -> None:
     assert len(seen) > 100
 
 
+@pytest.mark.parametrize("step_m", [0.8, -0.2], ids=["back", "forward"])
+def test_who_steps_back_while_hidden_is_known_again(step_m: float) -> None:
+    """Farther from who hid them than they were, they can't be mistaken for that one."""
+
+    def steps(t_s: float) -> tuple[float, float]:
+        return 0.0, 4.0 + step_m * float(np.clip((t_s - 4.4) / 0.4, 0.0, 1.0))
+
+    stage = Stage([Player(steps, up=engaging()), Player(walks(3.0, 3.0), shirt=RED)])
+    stage.play(3.0)
+    seen = handed(stage.play(8.0))
+    assert all(abs(x) < 0.05 for _, x, _ in seen)
+    assert len([t for t, _, _ in seen if t > 5.6]) == pytest.approx(72, abs=3)
+
+
 def gone_from(t_s: float, back_s: float, x_m: float = 0.0):  # type: ignore[no-untyped-def]
     """Stand, walk out to the right at t_s, and be back at the place at back_s."""
 
@@ -196,6 +210,16 @@ def test_who_stands_where_the_operator_stood_is_not_the_operator(clothes: tuple[
     seen = handed(stage.play(20.0))
     assert all(x > -0.1 for _, x, _ in seen)
     assert not [t for t, _, _ in seen if t > 5.5]
+
+
+@pytest.mark.parametrize("apart_m", [1.0, 1.7, 2.0])
+def test_whoever_is_known_as_somebody_else_does_not_follow_an_operator_who_is_gone(apart_m: float) -> None:
+    """In the same clothes, at the same distance, beside: only who they were tells them apart."""
+    operator = Player(lambda t: (1.5, 4.0) if t < 3.0 else None, up=engaging())
+    stage = Stage([operator, Player(still(1.5 - apart_m, 4.0), shirt=RED)])
+    stage.play(3.0)
+    assert not handed(stage.play(9.0))
+    assert len(stage.estimate.people) == 2
 
 
 def test_until_the_operator_is_released_nobody_who_looks_different_is_let_in() -> None:

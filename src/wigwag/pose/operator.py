@@ -41,6 +41,8 @@ class OperatorConfig:
     """After a longer gap, so many frames in a row must fit; twice as many if the place was seen empty."""
     hidden: float = 0.3
     """From this share of the trunk on that something nearer covers, nothing is handed on."""
+    touched: float = 0.1
+    """From this share on who covers it may lend the operator their depth, which is not believed at once."""
     gone: float = 0.8
     """From this share on the network is not even asked: it would see who stands before the operator."""
     wary_s: float = 2.0
@@ -50,7 +52,7 @@ class OperatorConfig:
         """Check ranges once, where the configuration enters."""
         if self.engage not in ("gesture", "first"):
             raise InputError(f"OperatorConfig.engage must be 'gesture' or 'first', but got {self.engage!r}.")
-        for name in ("lost_s", "first_lost_s", "away_s", "glitch_s", "confirm", "hidden", "gone", "wary_s"):
+        for name in self.__slots__[1:]:
             if not 0 < getattr(self, name) < np.inf:
                 raise InputError(f"OperatorConfig.{name} must be above 0, but got {getattr(self, name)}.")
 
@@ -175,7 +177,8 @@ class OperatorKeeper:
                 return Claim.MAYBE
             self._in_doubt = False
         self._trial, self._absent_s, self.sure = [], 0.0, True
-        people.update(track, seen, now_ns, learn=not self._wary(now_ns))
+        touched = self.cover.nearer >= self.config.touched
+        people.update(track, seen, now_ns, learn=not self._wary(now_ns), touched=touched)
         return Claim.YES
 
     def _fits(self, track: Track, seen: Seen, now_ns: int) -> bool:
@@ -184,14 +187,16 @@ class OperatorKeeper:
         slack = np.inf
         if self._before_m is not None and (now_ns - self._before_m[1]) * 1e-9 < self.config.wary_s:
             # Whoever stands before the operator is known by their distance: nearer to it than to the
-            # operator's own is not the operator.
+            # operator's own is not the operator. Farther off than expected it is not they.
             expected = float(np.linalg.norm(track.expected_m(now_ns, people.config.coast_s)))
             slack = max(0.5 * (expected - self._before_m[0] - UPRIGHT_M), 0.2)
         if people.misfit(track, seen, now_ns, slack) >= 1.0 or not people.sized_like(track, seen):
             return False
         mine = people.away_m(track, seen, now_ns)
-        for other in people.close_to(track, now_ns):
-            if other.looks > 2 and other.age_s(now_ns) < 0.5 and people.away_m(other, seen, now_ns) < mine:
+        for other in people.tracks:
+            if other is track or other.looks <= 2 or other.age_s(now_ns) > _KNOWN_S:
+                continue
+            if people.away_m(other, seen, now_ns) < mine:
                 return False
         careful = self._wary(now_ns) or track.age_s(now_ns) > self.config.glitch_s
         return not careful or people.looks_like(track, seen.appearance)
@@ -273,6 +278,8 @@ class OperatorKeeper:
         return "the operator is not seen"
 
 
+_KNOWN_S = 0.8
+"""Who was seen as somebody else so lately is not the operator: of four people, each is looked at so often."""
 _LEANS_M_S = 2.5
 """How fast a trunk bends at most, as the camera sees it."""
 _CALL_NS = 1_000_000_000
