@@ -156,6 +156,11 @@ class Pilot:
         self.supervisor = Supervisor(self.config.supervisor, mode)
         self.trouble = ""
         """The last complaint about a frame or a recogniser, for people to read."""
+        self.withheld = False
+        """Whether somebody at the console keeps the drone where it is: gestures but for stop and land are
+        refused."""
+        self.calls = 0
+        """How often somebody at the console has called for an operator."""
         self._camera_ns: int | None = None
         self._rested_ns: int | None = None
         self._deaf_ns: int | None = None
@@ -195,6 +200,18 @@ class Pilot:
             pose, movement, gesture, command, situation, verdict, wish, sent, self.helm.movement.goal, state,
             seen - began, done - seen,
         )  # fmt: skip
+
+    def tighten(self, situation: Situation, name: str, value: float) -> str:
+        """Set one of the supervisor's limits anew, and keep goal and movements within; return why not.
+
+        Args:
+            situation: The newest step's.
+            name: One of ``wigwag.fly.tighten.DIALS``.
+            value: In its unit.
+        """
+        why = self.supervisor.tighten(situation, name, value)
+        self.helm.keep_within(self.supervisor.config)
+        return why
 
     def _find(self, frame: Frame, now_ns: int) -> Pose | None:
         """Find the operator; a frame that cannot be used (no depth, out of order) is one without a pose."""
@@ -301,6 +318,7 @@ class Pilot:
             self.helm.moving,
             command,
             held_s,
+            self.withheld,
         )
 
 

@@ -11,12 +11,16 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from wigwag.camera import Frame
 from wigwag.cli.app import run
 from wigwag.cli.demo import Demo, Untaught, account, account_of, fly, pose_estimator, write
 from wigwag.errors import InputError, ModelError
 from wigwag.fly.supervisor import Mode
+from wigwag.fly.values import Command
 from wigwag.gesture import Gesture
+from wigwag.pilot import Step
 from wigwag.skeleton import Clip
+from wigwag.view.onlookers import Onlookers
 
 
 def fails(capsys: pytest.CaptureFixture[str], words: tuple[object, ...], *needed: str) -> None:
@@ -96,6 +100,23 @@ class TakeOff:
         return Gesture("take_off", min(0.9, 0.3 * clip.duration_s))
 
 
+class Looks(Onlookers):
+    """Looks on, and counts."""
+
+    begun = False
+    turns = asks = 0
+
+    def begin(self, *what: object, **how: object) -> None:
+        self.begun = True
+
+    def asked(self) -> Command | None:
+        self.asks += 1
+        return None
+
+    def turn(self, frame: Frame | None, step: Step, trouble: str = "") -> None:
+        self.turns += 1
+
+
 def test_a_short_flight_from_pixels_to_figures_report_and_film(tmp_path: Path) -> None:
     """Ten seconds: the operator engages and shows the first signal, and the drone leaves the ground."""
     try:
@@ -111,7 +132,9 @@ def test_a_short_flight_from_pixels_to_figures_report_and_film(tmp_path: Path) -
     session.script, session.log.shown = script, [first]
     session.pilot.spotter.recogniser = recogniser
 
-    stills = fly(session, estimator, console, tmp_path / "demo.mp4")
+    looks = Looks()
+    stills = fly(session, estimator, console, tmp_path / "demo.mp4", onlookers=looks)
+    assert looks.begun and looks.turns == looks.asks == int(script.duration_s * 30)
     summary = account_of(session, demo, {"clips_taught": 0})
     write(demo, session, summary, stills)
     account(console, summary, tmp_path)

@@ -731,6 +731,20 @@ def trouble_during_the_take_off(rules: Rules) -> None:
     assert scene.turn().mode is Mode.PILOT
 
 
+@scenario
+def what_the_console_holds_no_gesture_moves(rules: Rules) -> None:
+    scene = grounded(rules)
+    scene.known["withheld"] = True
+    assert "held at the console" in scene.turn(Command.TAKE_OFF).reason and scene.mode is Mode.DISARMED
+    scene = flying(rules, mode=Mode.HOLDING)
+    scene.known["withheld"] = True
+    assert "held at the console" in scene.turn(Command.CLOSER).reason and scene.mode is Mode.HOLDING
+    scene.known["withheld"] = False
+    assert scene.turn(Command.CLOSER).accepted is Command.CLOSER
+    scene.known["withheld"] = True
+    assert scene.turn(Command.LAND).action is Action.LAND, "land and stop pass whoever holds it"
+
+
 def climbing(rules: Rules) -> Scene:
     scene = grounded(rules)
     scene.turn(Command.TAKE_OFF)

@@ -48,6 +48,34 @@ def test_first_is_for_somebody_alone() -> None:
     assert len(handed(stage.play(1.0))) == 30
 
 
+def test_a_word_from_the_console_engages_whoever_is_alone() -> None:
+    stage = Stage([Player(still(0.0, 4.0))])
+    assert not handed(stage.play(1.0))
+    stage.estimate.call_operator()
+    assert len(handed(stage.play(2.0))) > 25
+    assert stage.estimate.operator is not None
+
+
+def test_a_word_from_the_console_engages_nobody_of_two_and_holds_for_a_second() -> None:
+    gone = Player(lambda t: (1.2, 4.5) if t < 4.0 else None)
+    stage = Stage([Player(still(-0.6, 4.0)), gone])
+    stage.play(2.0)
+    stage.estimate.call_operator()
+    assert not handed(stage.play(8.0)), "nor whoever is alone long after"
+    assert stage.estimate.operator is None
+
+
+def test_a_word_from_the_console_takes_nobodys_place() -> None:
+    stage = Stage([operator_at(0.3, 4.0)])
+    stage.play(3.0)
+    operator = stage.estimate.operator
+    stage.players = [*stage.players, Player(still(-1.2, 3.5))]
+    stage.estimate.call_operator()
+    stage.play(2.0)
+    assert operator is not None and stage.estimate.operator is not None
+    assert stage.estimate.operator.number == operator.number
+
+
 def test_of_several_people_the_one_who_engages() -> None:
     others = [Player(still(-1.2, 4.5)), Player(still(1.1, 3.5))]
     stage = Stage([others[0], operator_at(0.0, 4.0, up=engaging(1.5)), others[1]])

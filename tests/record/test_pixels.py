@@ -36,7 +36,7 @@ def test_decided_again_from_poses_and_from_pictures_that_lost_nothing(tmp_path: 
     session = demo._procedural_session(estimator)
     session.script = replace(session.script, duration_s=5.0)
     recorder = demo.recorder(session, b"not looked at")
-    fly(session, estimator, Console(quiet=True), None, recorder)
+    fly(session, estimator, Console(quiet=True), None, recorder=recorder)
     flight = Flight.open(path)
     assert flight.pose_config == estimator.config and flight.tells_operator
     found = sum(turn.pose is not None for turn in flight.turns())
@@ -50,7 +50,7 @@ def test_without_depth_frames_are_not_enough(tmp_path: Path, estimator) -> None:
     demo = Demo(out=tmp_path, seed=3, record=tmp_path / "flight.mcap")
     session = demo._procedural_session(estimator)
     session.script = replace(session.script, duration_s=0.2)
-    fly(session, estimator, Console(quiet=True), None, demo.recorder(session, b"", "s2"))
+    fly(session, estimator, Console(quiet=True), None, recorder=demo.recorder(session, b"", "s2"))
     path = tmp_path / "flight-s2.mcap"
     with pytest.raises(InputError, match=r"holds pictures, but no depth.*--record-depth"):
         Replay(Flight.open(path), material="frames")

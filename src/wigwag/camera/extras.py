@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import importlib
+import importlib.util
 import os
 import shlex
 import shutil
@@ -50,6 +51,24 @@ def load(module: str, extra: str, what: str) -> Any:
             f"{what} needs the package {module.partition('.')[0]}, which cannot be imported ({error}). "
             f"Install it with: {pip_install(f'wigwag[{extra}]')}"
         ) from error
+
+
+def require(module: str, extra: str, what: str) -> None:
+    """Say early that a module is missing that another process is going to import.
+
+    Args:
+        module: Its import name.
+        extra: Of wigwag.
+        what: What needs it; begins the error message.
+
+    Raises:
+        MissingExtraError: If it is not installed.
+    """
+    if importlib.util.find_spec(module) is None:
+        raise MissingExtraError(
+            f"{what} needs the package {module}, which is not installed. "
+            f"Install it with: {pip_install(f'wigwag[{extra}]')}"
+        )
 
 
 def load_realsense(what: str) -> Any:

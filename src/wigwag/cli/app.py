@@ -11,6 +11,7 @@ from rich.markup import escape
 
 from wigwag.cli.benchmark import Benchmark
 from wigwag.cli.clips import Clips
+from wigwag.cli.console import ConsoleCommand
 from wigwag.cli.demo import Demo
 from wigwag.cli.doctor import Doctor
 from wigwag.cli.evaluate import Evaluate
@@ -38,6 +39,7 @@ class Runnable(Protocol):
 Commands = (
     Annotated[Demo, tyro.conf.subcommand("demo")]
     | Annotated[Fly, tyro.conf.subcommand("fly")]
+    | Annotated[ConsoleCommand, tyro.conf.subcommand("console")]
     | Annotated[ReplayCommand, tyro.conf.subcommand("replay")]
     | Annotated[Explain, tyro.conf.subcommand("explain")]
     | Annotated[FlightCommand, tyro.conf.subcommand("flight")]

@@ -8,6 +8,7 @@ from typing import Annotated
 import tyro
 
 from wigwag.cli.benchmark_camera import CameraBenchmark
+from wigwag.cli.benchmark_console import ConsoleBenchmark
 from wigwag.cli.benchmark_dtw import DtwBenchmark
 from wigwag.cli.benchmark_far import FarBenchmark
 from wigwag.cli.benchmark_faults import FaultsBenchmark
@@ -42,6 +43,7 @@ class Benchmark:
             | Annotated[LiftBenchmark, tyro.conf.subcommand("lift")]
             | Annotated[PoseBenchmark, tyro.conf.subcommand("pose")]
             | Annotated[CameraBenchmark, tyro.conf.subcommand("camera")]
+            | Annotated[ConsoleBenchmark, tyro.conf.subcommand("console")]
             | Annotated[FarBenchmark, tyro.conf.subcommand("far")]
             | Annotated[MonocularBenchmark, tyro.conf.subcommand("monocular")]
             | Annotated[SmoothBenchmark, tyro.conf.subcommand("smooth")]

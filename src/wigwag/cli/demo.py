@@ -8,10 +8,11 @@ import resource
 import tempfile
 import time
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from wigwag.cli.looking import Looking
 from wigwag.errors import InputError
 from wigwag.record.turns import Pictures
 
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from wigwag.recognise.explain import Explanation
     from wigwag.record.recorder import Recorder
     from wigwag.sim.script import ScriptConfig
+    from wigwag.view.onlookers import Onlookers
     from wigwag.view.report import Still
 
 
@@ -78,6 +80,7 @@ class Demo:
     """What is kept of the pictures: none, jpeg, or png, which loses nothing."""
     record_depth: bool = False
     """Keep the depth too."""
+    looking: Looking = field(default_factory=Looking)
 
     def run(self) -> int:
         """Teach, fly, judge, report; return 0."""
@@ -106,22 +109,25 @@ class Demo:
         except OSError as error:
             raise InputError(f"--out {self.out}: cannot be made a folder ({error}). Name another.") from error
         console = Console()
-        with threadpool_limits(1):  # small matrices: more threads only wait for each other
-            summary = self._fly(console)
+        # Small matrices: more threads only wait for each other.
+        with threadpool_limits(1), self.looking.open(console) as onlookers:
+            summary = self._fly(console, onlookers)
         summary["rss_mb"] = peak_mb()
         summary["wall_s"] = round(time.monotonic() - began, 1)
         (self.out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
         account(console, summary, self.out, filmed=self.film)
         return 0
 
-    def _fly(self, console: Console) -> dict[str, Any]:
+    def _fly(self, console: Console, onlookers: Onlookers) -> dict[str, Any]:
         if self.motion == "utd-mhad":
             from wigwag.cli.demo_recorded import fly_recorded
 
-            return fly_recorded(self, console)
-        return self._fly_procedural(console) if self.model is None else self._fly_taught(self.model, console)
+            return fly_recorded(self, console, onlookers)
+        if self.model is None:
+            return self._fly_procedural(console, onlookers)
+        return self._fly_taught(self.model, console, onlookers)
 
-    def _fly_taught(self, model: Path, console: Console) -> dict[str, Any]:
+    def _fly_taught(self, model: Path, console: Console, onlookers: Onlookers) -> dict[str, Any]:
         from wigwag.cli.demo_taught import mapping_of, session_of
         from wigwag.stream.models import load_model
         from wigwag.stream.overhear import Overhearing
@@ -133,7 +139,8 @@ class Demo:
         session = self._procedural_session(estimator, config)
         session.pilot.commands, session.pilot.spotter = commands, Overhearing(taught)
         recorder = self.recorder(session, model.read_bytes())
-        stills = fly(session, estimator, console, self.out / "demo.mp4" if self.film else None, recorder)
+        film = self.out / "demo.mp4" if self.film else None
+        stills = fly(session, estimator, console, film, recorder=recorder, onlookers=onlookers)
         shown = {name: commands[name].value for name in config.commands}
         summary = account_of(
             session, self, {"model": str(model), "recognizer": type(taught).__name__, "commands": shown}
@@ -141,7 +148,7 @@ class Demo:
         write(self, session, summary, stills)
         return summary
 
-    def _fly_procedural(self, console: Console) -> dict[str, Any]:
+    def _fly_procedural(self, console: Console, onlookers: Onlookers) -> dict[str, Any]:
         from wigwag.evaluate.lessons import teach_procedural, warm_up
         from wigwag.stream.overhear import Overhearing
 
@@ -160,7 +167,8 @@ class Demo:
             recogniser = load_recogniser(self.recognizer, model)
             recorder = self.recorder(session, model.read_bytes())
         session.pilot.spotter = Overhearing(recogniser)
-        stills = fly(session, estimator, console, self.out / "demo.mp4" if self.film else None, recorder)
+        film = self.out / "demo.mp4" if self.film else None
+        stills = fly(session, estimator, console, film, recorder=recorder, onlookers=onlookers)
         summary = account_of(session, self, {"clips_taught": clips})
         write(self, session, summary, stills)
         return summary
@@ -233,9 +241,18 @@ def load_recogniser(name: str, model: Path) -> InStreams:
 
 def fly(
     session: Session, estimator: PoseEstimator, console: Console, film: Path | None,
-    recorder: Recorder | None = None,
+    *, recorder: Recorder | None = None, onlookers: Onlookers | None = None,
 ) -> list[Still]:  # fmt: skip
-    """Fly a session to its end; show progress, film and record it, keep a still of each labelled gesture."""
+    """Fly a session to its end; show progress, film and record it, keep a still of each labelled gesture.
+
+    Args:
+        session: What is flown.
+        estimator: Its eyes.
+        console: Where progress is shown.
+        film: File for the film; ``None``: none is made.
+        recorder: Writes it down; ``None``: nothing does.
+        onlookers: Whoever looks on, and may ask for something on the console's page.
+    """
     from contextlib import nullcontext
 
     from wigwag.view.cockpit import Cockpit
@@ -244,6 +261,9 @@ def fly(
 
     stills: list[Still] = []
     cockpit = Cockpit()
+    if onlookers is not None:
+        onlookers.begin(session.pilot, estimator, live=False)
+        session.asked = onlookers.asked
     frames = int(session.script.duration_s * session.world.config.rate_hz)
     with (
         _progress(console) as progress,
@@ -254,6 +274,8 @@ def fly(
             cockpit.note(turn)
             if recorder is not None:
                 recorder.turn(turn.frame, session.world.now_ns, turn.step)
+            if onlookers is not None:
+                onlookers.turn(turn.frame, turn.step)
             spoken = turn.step.gesture is not None and turn.step.gesture.label is not None
             if (recording is not None and count % 3 == 0) or spoken:
                 picture = cockpit.draw(turn, estimator.body)

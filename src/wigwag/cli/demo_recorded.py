@@ -20,13 +20,14 @@ if TYPE_CHECKING:
     from wigwag.evaluate.session import Session
     from wigwag.pose.estimator import PoseEstimator
     from wigwag.sim.person import Person
+    from wigwag.view.onlookers import Onlookers
     from wigwag.view.report import Still
 
 COMMANDS_EACH, OTHERS_EACH = 10, 5
 """Commands and other recordings that each of the four people shows in the stream."""
 
 
-def fly_recorded(demo: Demo, console: Console) -> dict[str, Any]:
+def fly_recorded(demo: Demo, console: Console, onlookers: Onlookers) -> dict[str, Any]:
     """Show each of four people's recordings of the six classes one by one, then fly a stream of theirs."""
     from wigwag.cli.demo import account_of, fly, write
     from wigwag.evaluate.flight import FlightLog, summarise
@@ -63,7 +64,9 @@ def fly_recorded(demo: Demo, console: Console) -> dict[str, Any]:
         session = make_session(person, script, estimator, recogniser, 100 + demo.seed + number)
         film = demo.out / "demo.mp4" if demo.film and number == 0 else None
         recorder = demo.recorder(session, model, subject)
-        stills += fly(session, estimator, console, film, recorder)[:12]
+        # The stamps of each subject begin anew: the first one is looked on at, as it is filmed.
+        looking = onlookers if number == 0 else None
+        stills += fly(session, estimator, console, film, recorder=recorder, onlookers=looking)[:12]
         stream.append(session.log, stream.rows[-1].time_s + 1.0 if stream.rows else 0.0)
     assert session is not None
     summary = account_of(session, demo, {"clips_taught": clips})

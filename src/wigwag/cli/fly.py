@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 import tempfile
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import tyro
 
+from wigwag.cli.looking import Looking
 from wigwag.errors import InputError
 from wigwag.fly.values import Command
 from wigwag.record.turns import Pictures
@@ -63,6 +64,7 @@ class Fly:
     nothing and is thirty times as large."""
     record_depth: bool = False
     """Keep the depth too, as it is."""
+    looking: Looking = field(default_factory=Looking)
     models_dir: tyro.conf.Suppress[Path | None] = None
 
     def run(self) -> int:
@@ -88,6 +90,7 @@ class Fly:
         if self.record is not None:
             check_target(self.record)
         with threadpool_limits(1), ExitStack() as stack:
+            onlookers = stack.enter_context(self.looking.open(console))
             with console.status("reading what was taught"):
                 file = self.model_file(stack)
                 model, labels = load_model(file)
@@ -102,7 +105,8 @@ class Fly:
                 config=config, in_the_air=Mode.HOLDING, time_ns=rig.now_ns if rig.live else None,
             )  # fmt: skip
             recorder = self._recorder(pilot, file, patient=not rig.live)
-            return Flying(console, rig, pilot, recorder, self.land_on_exit, self.duration_s).fly()
+            flying = Flying(console, rig, pilot, recorder, self.land_on_exit, self.duration_s, onlookers)
+            return flying.fly()
 
     def settings(self) -> PilotConfig:
         """Return all settings of the flight.

@@ -21,6 +21,7 @@ from wigwag.record.recorder import Recorder
 from wigwag.rig import Rig
 from wigwag.vehicles.dry import DryVehicle
 from wigwag.vehicles.protocol import FlightMode
+from wigwag.view.onlookers import Onlookers
 
 _BLIND_TURN_S = 0.03
 
@@ -35,15 +36,18 @@ class Flying:
         recorder: Where everything is written down.
         land_on_exit: Land at the end, rather than hold.
         duration_s: End after so many seconds.
+        onlookers: Whoever looks on; what is asked for on the console's page comes before what gestures ask.
     """
 
     def __init__(  # noqa: PLR0917  # one caller
         self, console: Console, rig: Rig, pilot: Pilot, recorder: Recorder | None = None,
-        land_on_exit: bool = False, duration_s: float | None = None,
+        land_on_exit: bool = False, duration_s: float | None = None, onlookers: Onlookers | None = None,
     ) -> None:  # fmt: skip
         self.console, self.rig, self.pilot, self.vehicle = console, rig, pilot, pilot.vehicle
         self.recorder, self.land_on_exit, self.duration_s = recorder, land_on_exit, duration_s
         self.watchdog, self.stopped, self.trouble = Watchdog(), False, ""
+        self.onlookers = onlookers or Onlookers()
+        self.onlookers.begin(pilot, live=rig.live)
 
     def fly(self) -> int:
         """Fly to the end and return the exit code."""
@@ -81,13 +85,14 @@ class Flying:
             never.wait(_BLIND_TURN_S)
 
     def _turn(self, glimpse: Glimpse, live: Live, asked: Command | None = None) -> None:
-        step = self.pilot.step(glimpse.frame, glimpse.now_ns, asked)
+        step = self.pilot.step(glimpse.frame, glimpse.now_ns, self.onlookers.asked() or asked)
         if self.recorder is not None:
             self.recorder.turn(glimpse.frame, glimpse.now_ns, step)
         if step.verdict.row:
             text = f"{glimpse.now_ns * 1e-9:9.1f} s  {step.verdict.row}: {step.verdict.mode}"
             self.console.print(text, highlight=False)
-        live.update(_line(step, glimpse.health.reason or self.pilot.trouble))
+        live.update(_line(step, glimpse.health.reason or self.pilot.trouble or self.onlookers.trouble))
+        self.onlookers.turn(glimpse.frame, step, glimpse.health.reason)
 
     def _end(self, live: Live) -> None:
         """Hold, or land if that is wished; then let go."""

@@ -5,10 +5,11 @@ from __future__ import annotations
 import shlex
 import time
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
+from wigwag.cli.looking import Looking
 from wigwag.errors import InputError
 
 if TYPE_CHECKING:
@@ -17,8 +18,8 @@ if TYPE_CHECKING:
     from wigwag.camera.protocol import Camera
     from wigwag.evaluate.records import Records
     from wigwag.pose.estimator import PoseEstimator
-    from wigwag.view.rerun import RerunView
-    from wigwag.view.watching import Meter, Watched
+    from wigwag.view.onlookers import Onlookers
+    from wigwag.view.watching import Meter
 
 
 @dataclass(frozen=True)
@@ -31,16 +32,13 @@ class Watch:
 
     camera: str = "webcam:0"
     """Address of the camera; see docs/cameras.md. sim: needs no hardware."""
-    view: bool = False
-    """Open Rerun beside it: picture with landmarks, depth, 3-D skeleton, timings. Needs wigwag[view]."""
-    save: Path | None = None
-    """Write what --view would show to this .rrd file; rerun FILE opens it."""
     duration_s: float | None = None
     """Stop after so many seconds of the stream; by default at its end, or on Ctrl-C."""
     engage: Literal["gesture", "first"] = "gesture"
     """Who becomes the operator: whoever raises a hand, or whoever is seen first."""
     json: Path | None = None
     """File for the figures: one record."""
+    looking: Looking = field(default_factory=Looking)
 
     def run(self) -> int:
         """Watch to the end of the stream; return 0."""
@@ -60,32 +58,23 @@ class Watch:
         )
         console, meter = Console(), Meter()
         with ExitStack() as stack:
-            view = self._open_view(stack)
+            onlookers = stack.enter_context(self.looking.open(console, flies=False))
             estimator = PoseEstimator(PoseConfig(operator=OperatorConfig(engage=self.engage)))
             camera = stack.enter_context(open_camera(self.camera))
             try:
-                self._watch(console, camera, estimator, view, meter)
+                self._watch(console, camera, estimator, onlookers, meter)
             except KeyboardInterrupt:
                 console.print("stopped")
             finally:
                 self._account(console, meter, records)
         return 0
 
-    def _open_view(self, stack: ExitStack) -> RerunView | None:
-        if not self.view and self.save is None:
-            return None
-        from wigwag.view.rerun import RerunView
-
-        view = RerunView(save=self.save, spawn=self.view)
-        stack.callback(view.close)
-        return view
-
     def _watch(
         self,
         console: Console,
         camera: Camera,
         estimator: PoseEstimator,
-        view: RerunView | None,
+        onlookers: Onlookers,
         meter: Meter,
     ) -> None:
         from rich.live import Live
@@ -94,6 +83,7 @@ class Watch:
         from wigwag.view.watching import Watched, panel
 
         live_clock = _is_live(camera)
+        onlookers.begin(eyes=estimator, live=live_clock)
         began_ns: int | None = None
         said_ns, sight = 0, None
         with Live(console=console, refresh_per_second=8, transient=True) as live:
@@ -108,11 +98,19 @@ class Watch:
                     latency_s = (camera.now_ns - glimpse.frame.stamp_ns) * 1e-9
                 watched = Watched(glimpse, pose, spent_s, latency_s)
                 meter.note(watched)
-                if view is not None:
-                    _show(view, watched, estimator)
-                    if glimpse.health.sight is not sight:
-                        sight = glimpse.health.sight
-                        view.say(f"picture {sight.value} {glimpse.health.reason}", not glimpse.health.usable)
+                onlookers.asked()
+                onlookers.watched(
+                    glimpse.frame,
+                    pose,
+                    glimpse.now_ns,
+                    spent_s,
+                    latency_s=latency_s,
+                    trouble=glimpse.health.reason,
+                )
+                if onlookers.rerun is not None and glimpse.health.sight is not sight:
+                    sight = glimpse.health.sight
+                    said = f"picture {sight.value} {glimpse.health.reason}"
+                    onlookers.rerun.say(said, not glimpse.health.usable)
                 if glimpse.now_ns - said_ns > 120_000_000:
                     said_ns = glimpse.now_ns
                     live.update(panel(camera, watched, meter, estimator.people, estimator.why))
@@ -139,15 +137,3 @@ def _is_live(camera: Camera) -> bool:
     from wigwag.camera.live import LiveCamera
 
     return isinstance(camera, LiveCamera)
-
-
-def _show(view: RerunView, watched: Watched, estimator: PoseEstimator) -> None:
-    frame = watched.glimpse.frame
-    if frame is None:
-        return
-    view.frame(frame)
-    view.people(estimator.people)
-    figures = {"pose_ms": 1e3 * watched.pose_s}
-    if watched.latency_s is not None:
-        figures["latency_ms"] = 1e3 * watched.latency_s
-    view.figures(figures)

@@ -11,6 +11,7 @@ import numpy as np
 from wigwag.camera import Frame
 from wigwag.evaluate.flight import FlightLog, Row
 from wigwag.fly.situation import Mode
+from wigwag.fly.values import Command
 from wigwag.pilot import Pilot, Step
 from wigwag.sim.script import Script
 from wigwag.sim.world import World
@@ -44,6 +45,8 @@ class Session:
         clock: Callable[[], float] = time.thread_time,
     ) -> None:
         self.world, self.pilot, self.script, self.clock = world, pilot, script, clock
+        self.asked: Callable[[], Command | None] = lambda: None
+        """Says what somebody at a console asks for, once a turn."""
         self.log = FlightLog(shown=list(script.shown))
         self.movements: list[Pose] = []
         """Every pose as the spotter saw it."""
@@ -54,7 +57,7 @@ class Session:
         for _ in range(frames):
             began = self.clock()
             frame = self.world.step()
-            step = self.pilot.step(frame, self.world.now_ns)
+            step = self.pilot.step(frame, self.world.now_ns, self.asked())
             spent_ms = 1e3 * (self.clock() - began)
             yield Turn(frame, step, self._note(step, spent_ms))
 

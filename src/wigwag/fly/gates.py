@@ -67,7 +67,13 @@ def outside(now: Situation, memory: Memory, limits: SupervisorConfig) -> bool:
     return min(wall.distance_m for wall in limits.fence.walls(east, north)) < 0
 
 
+def withheld(now: Situation, memory: Memory, limits: SupervisorConfig) -> bool:
+    """Somebody at the console keeps it where it is."""
+    return now.withheld
+
+
 GATES: tuple[Gate, ...] = (
+    Gate("console", withheld, "held at the console, until somebody there presses engage"),
     Gate("rate", too_soon, "another command was given just before"),
     Gate("rest", not_rested, "lower your arms between two commands"),
     Gate("engaged", not_engaged, "nobody has been the operator for long enough"),

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from wigwag.fly.follow import FollowConfig, FollowLaw, Goal
+from wigwag.fly.limits import SupervisorConfig
 from wigwag.fly.movements import Movement, MovementConfig
 from wigwag.fly.operator import OperatorTrack
 from wigwag.fly.situation import Mode, Verdict
@@ -30,7 +33,8 @@ class Helm:
     ) -> None:
         self.start = goal or Goal()
         self.law = FollowLaw(follow)
-        self.movement = Movement(movement, self.start)
+        self.bounds = movement or MovementConfig()
+        self.movement = Movement(self.bounds, self.start)
         self._last_ns: int | None = None
         self._level = False
 
@@ -38,6 +42,21 @@ class Helm:
     def moving(self) -> bool:
         """Whether a movement is under way."""
         return self.movement.command is not None
+
+    def keep_within(self, limits: SupervisorConfig) -> None:
+        """Let neither goal nor movements lead beyond limits that have changed; what does not, stays."""
+        near, far = limits.min_distance_m, limits.max_distance_m
+        low, high = limits.floor_m, limits.ceiling_m
+        bounds = self.bounds
+        self.movement.bound(
+            replace(
+                bounds,
+                min_distance_m=_between(bounds.min_distance_m, near, far),
+                max_distance_m=_between(bounds.max_distance_m, near, far),
+                min_altitude_m=_between(bounds.min_altitude_m, low, high),
+                max_altitude_m=_between(bounds.max_altitude_m, low, high),
+            )
+        )
 
     def enter(self, before: Mode, verdict: Verdict, track: OperatorTrack, state: VehicleState) -> None:
         """Take in what the supervisor has just decided."""
@@ -49,7 +68,7 @@ class Helm:
             self.law.reset()
             here = self._here(track, state)
             if before is Mode.TAKING_OFF:
-                self.movement.approach(*here, self.start)
+                self.movement.approach(*here, self.movement.bounded(self.start))
             else:
                 self.movement.cancel(*here)
         elif before in _FLOWN and mode not in _FLOWN:
@@ -82,3 +101,7 @@ class Helm:
         """Return distance and height as the goal counts them."""
         away = (track.position_m(state.stamp_ns) - state.position_m)[:2]
         return float(np.hypot(away[0], away[1])), float(state.position_m[2]) - self.law.rise(track)
+
+
+def _between(value: float, least: float, most: float) -> float:
+    return min(max(value, least), most)

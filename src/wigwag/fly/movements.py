@@ -106,6 +106,22 @@ class Movement:
         self.command = None
         self._stop()
 
+    def bound(self, config: MovementConfig) -> None:
+        """Go on within other bounds: the goal, and where a movement leads, are brought inside them."""
+        self.config = config
+        self.goal = self.bounded(self.goal)
+        end = self.bounded(Goal(self._distance_m, self._altitude_m))
+        self._distance_m, self._altitude_m = end.distance_m, end.altitude_m
+
+    def bounded(self, goal: Goal) -> Goal:
+        """Return the goal within bounds."""
+        c = self.config
+        return replace(
+            goal,
+            distance_m=float(np.clip(goal.distance_m, c.min_distance_m, c.max_distance_m)),
+            altitude_m=float(np.clip(goal.altitude_m, c.min_altitude_m, c.max_altitude_m)),
+        )
+
     def approach(self, distance_m: float, altitude_m: float, wanted: Goal) -> None:
         """Begin where the drone is and move smoothly to what is wanted."""
         self.goal = replace(wanted, distance_m=distance_m, altitude_m=altitude_m)

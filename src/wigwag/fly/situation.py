@@ -109,6 +109,8 @@ class Situation:
     """What the operator asks for now; ``None`` most of the time."""
     held_s: float = 0.0
     """How long the gesture behind the command was shown."""
+    withheld: bool = False
+    """Whether somebody at the console keeps it where it is until they let go."""
 
 
 @dataclass(frozen=True, slots=True)

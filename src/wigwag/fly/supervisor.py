@@ -17,6 +17,7 @@ from wigwag.fly.gates import GATES, Gate, confirmed, refused
 from wigwag.fly.guards import GUARDS, Guard, guarded
 from wigwag.fly.limits import SupervisorConfig
 from wigwag.fly.situation import Action, Craft, Memory, Mode, Permit, Situation, Verdict, age_s
+from wigwag.fly.tighten import tightened
 from wigwag.fly.transitions import MASKED_BY_STOP, TABLE, Event, Transition, arrange
 from wigwag.fly.values import HOVER, Command, Setpoint
 from wigwag.fly.watches import WATCHES, Watch, deaf, link_lost, person_lost, state_stale
@@ -79,6 +80,8 @@ class Supervisor:
         rules: Rules = RULES,
     ) -> None:
         self.config, self.rules = config or SupervisorConfig(), rules
+        self.start = self.config
+        """The limits that the flight began with; nothing loosens them beyond."""
         self.memory = Memory(mode)
 
     @property
@@ -90,6 +93,17 @@ class Supervisor:
         """Decide once. Call it at the loop's rate, also when nothing was seen."""
         self.memory, verdict = decide(self.memory, situation, self.config, self.rules)
         return verdict
+
+    def tighten(self, situation: Situation, name: str, value: float) -> str:
+        """Set a limit anew if that is allowed (see ``wigwag.fly.tighten``); return why not, empty if it is.
+
+        Args:
+            situation: The newest.
+            name: One of ``wigwag.fly.tighten.DIALS``.
+            value: In the dial's unit.
+        """
+        self.config, why = tightened(self.config, self.start, situation, name, value)
+        return why
 
     def permit(self, situation: Situation, wish: Setpoint) -> Permit:
         """Say what may be sent in the turn that has just been decided, if ``wish`` is what is wanted."""

@@ -141,6 +141,13 @@ class PoseEstimator:
             return "the depth of who is there cannot be told"
         return self._keeper.why
 
+    def call_operator(self) -> None:
+        """Make whoever is seen alone within the next second the operator, without their raising a hand.
+
+        For a word from the console. Of several people nobody becomes it, and who is the operator stays it.
+        """
+        self._keeper.call()
+
     def __call__(self, frame: Frame) -> Pose | None:
         """Return the operator's pose, or ``None``: see ``why``.
 

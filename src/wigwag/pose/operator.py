@@ -90,7 +90,16 @@ class OperatorKeeper:
         self.why = "nobody has engaged"
         """Why nothing is handed on; empty if something is."""
         self._last_ns: int | None = None
+        self._called_ns: int | None = None
+        """Until when whoever is alone in the picture becomes the operator without a gesture."""
         self._forget_operator()
+
+    def call(self) -> None:
+        """Make whoever is seen alone within the next second the operator, without their raising a hand.
+
+        Of several people nobody is; and somebody who is the operator stays it.
+        """
+        self._called_ns = (self._last_ns or 0) + _CALL_NS
 
     def _forget_operator(self) -> None:
         self.track, self.cover, self.sure = None, Cover(), False
@@ -222,17 +231,24 @@ class OperatorKeeper:
         return self.track if self.sure and self.track is not None else None
 
     def _engage(self, heard: list[tuple[Track, Signal | None]]) -> None:
-        if self.config.engage == "first":
+        if self.config.engage == "first" or self._alone(heard):
             chosen = [track for track, _ in heard]
         else:
             chosen = [track for track, signal in heard if signal is Signal.ENGAGE]
         if not chosen:
             return
-        old = self.track
+        old, self._called_ns = self.track, None
         self._forget_operator()
         if old is not None and old is not chosen[0]:
             self._people.tracks.remove(old)
         self.track, self.sure = chosen[0], True
+
+    def _alone(self, heard: list[tuple[Track, Signal | None]]) -> bool:
+        """Say whether somebody was called for, and one person alone can be meant."""
+        now = self._last_ns
+        if self._called_ns is None or now is None or now > self._called_ns:
+            return False
+        return len(heard) == 1 and sum(t.age_s(now) * 1e9 < _CALL_NS for t in self._people.tracks) == 1
 
     def _release(self) -> None:
         """Nobody is the operator any more; whoever wants to be it has to begin now."""
@@ -259,5 +275,7 @@ class OperatorKeeper:
 
 _LEANS_M_S = 2.5
 """How fast a trunk bends at most, as the camera sees it."""
+_CALL_NS = 1_000_000_000
+"""How long a call for an operator holds, and how long somebody who was seen counts as being there."""
 
 __all__ = ["Claim", "OperatorConfig", "OperatorKeeper"]

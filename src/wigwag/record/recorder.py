@@ -16,6 +16,7 @@ import numpy as np
 from wigwag import __version__
 from wigwag.camera.frame import Frame, Intrinsics
 from wigwag.errors import InputError
+from wigwag.fly.tighten import changed
 from wigwag.pilot import Engaging, Pilot, Step
 from wigwag.record import foxglove
 from wigwag.record.codec import plain, schema, text
@@ -97,6 +98,7 @@ class Recorder:
         """Pictures that were left out because the disk, or the other core, did not keep up."""
         self._file = Container(path)
         self._begin(pilot, model, dict(facts or {}))
+        self._limits, self._calls = pilot.supervisor.config, pilot.calls
         self._mount = pilot.config.mount
         self._waits: queue.Queue[_Item | None] = queue.Queue(_WAITING if patient else 0)
         self._patient = patient
@@ -127,10 +129,13 @@ class Recorder:
             look = Look(frame.stamp_ns, frame.intrinsics, step.situation.camera_ns == now_ns)
         operator = self.pilot.pose.operator if isinstance(self.pilot.pose, Engaging) else None
         asked = step.situation.command if math.isinf(step.situation.held_s) else None
+        limits, calls = self.pilot.supervisor.config, self.pilot.calls
         turn = Turn(
             now_ns, look, None if operator is None else operator.number, asked, step.command, step.situation,
-            step.verdict, step.goal, step.pose_s, step.rest_s,
+            step.verdict, step.goal, step.pose_s, step.rest_s, changed(self._limits, limits),
+            calls != self._calls,
         )  # fmt: skip
+        self._limits, self._calls = limits, calls
         self._waits.put((self._number, written, turn, step))
         self._number += 1
 

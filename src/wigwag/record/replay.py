@@ -13,12 +13,13 @@ from wigwag.camera.frame import Frame, Intrinsics
 from wigwag.errors import InputError
 from wigwag.fly.situation import Mode
 from wigwag.fly.supervisor import Supervisor
+from wigwag.fly.tighten import with_settings
 from wigwag.fly.values import Setpoint, VehicleState
 from wigwag.gesture import Gesture
 from wigwag.pilot import CRAFT, Pilot, PilotConfig, PoseSource, Step
 from wigwag.record.codec import text
 from wigwag.record.flight import Flight
-from wigwag.record.turns import Recorded
+from wigwag.record.turns import Recorded, Turn
 from wigwag.skeleton import Clip, Pose
 from wigwag.stream.listener import Listener
 from wigwag.vehicles.protocol import Capabilities, FlightMode
@@ -187,7 +188,20 @@ class Replay:
         """
         for recorded, frame in self._turns():
             self._reel.now = recorded
+            self._attend(recorded.turn)
             yield recorded, self.pilot.step(frame, recorded.turn.now_ns, recorded.turn.asked)
+
+    def _attend(self, turn: Turn) -> None:
+        """Do what somebody at the console did."""
+        from wigwag.pose.estimator import PoseEstimator
+
+        pilot = self.pilot
+        pilot.withheld = turn.situation.withheld
+        if turn.limits:
+            pilot.supervisor.config = with_settings(pilot.supervisor.config, turn.limits)
+            pilot.helm.keep_within(pilot.supervisor.config)
+        if turn.called and isinstance(pilot.pose, PoseEstimator):
+            pilot.pose.call_operator()
 
     def _turns(self) -> Iterator[tuple[Recorded, Frame | None]]:
         if self.material == "frames":

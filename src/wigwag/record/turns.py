@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal
 
 from wigwag.camera.frame import Intrinsics
@@ -63,6 +64,10 @@ class Turn:
     """Processor seconds for the pose."""
     rest_s: float
     """Processor seconds for what came after it."""
+    limits: Mapping[str, float] = field(default_factory=dict)
+    """Limits that were set anew at the console before it, by the names of ``wigwag.fly.tighten.DIALS``."""
+    called: bool = False
+    """Whether somebody at the console called for an operator before it."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,13 +14,22 @@ from jaxtyping import Float
 from wigwag.camera.extras import load
 from wigwag.camera.frame import Frame, Intrinsics
 from wigwag.errors import InputError, ViewError
+from wigwag.fly.limits import SupervisorConfig
+from wigwag.fly.operator import Mount, rotation
+from wigwag.fly.values import VehicleState
+from wigwag.pilot import Step
 from wigwag.pose.body import BODY_BONES
 from wigwag.pose.estimator import Person
 from wigwag.skeleton import BONES, LANDMARKS, Pose
 from wigwag.view.draw import BODY_NAMES, Color, bone_colors
+from wigwag.view.places import fence_lines, to_world
 
 _OTHERS: Color = (150, 158, 166)
 """RGB of whoever is not the operator."""
+_DRONE: Color = (70, 140, 255)
+_FENCE: Color = (240, 90, 90)
+_WAY_M = 0.1
+"""So far the drone flies before its way is drawn anew."""
 _JPEG_QUALITY = 80
 _BONE_M = 0.012
 _JOINT_M = 0.022
@@ -28,7 +38,8 @@ _JOINT_M = 0.022
 class RerunView:
     """Logs to Rerun what there is to see, under one blueprint for every command.
 
-    The root is the camera's optical frame (x right, y down, z forward, metres). Time is the frames' stamps.
+    The root is the camera's optical frame (x right, y down, z forward, metres); a flight has a root of its
+    own, the world's frame (ENU). Time is the frames' stamps, and the loop's for a flight.
 
     Args:
         save: Write a ``.rrd`` file; open it later with ``rerun FILE``.
@@ -66,7 +77,10 @@ class RerunView:
             ) from error
         self._lens: Intrinsics | None = None
         self._shown: set[int] = set()
+        self._way: deque[Float[np.ndarray, " 3"]] = deque(maxlen=600)
+        self._limits: SupervisorConfig | None = None
         self._stream.log("world", rr.ViewCoordinates.RDF, static=True)
+        self._stream.log("flight", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
 
     def frame(self, frame: Frame) -> None:
         """Show a picture and its depth; what follows belongs to its stamp."""
@@ -107,6 +121,45 @@ class RerunView:
             if np.isfinite(value):
                 self._stream.log(f"figures/{name}", self._rr.Scalars([float(value)]))
 
+    def flight(self, step: Step, seen_from: VehicleState, mount: Mount, limits: SupervisorConfig) -> None:
+        """Show a turn of a flight: drone, operator, way and fence in the world's frame, figures, decisions.
+
+        Args:
+            step: What the pilot made of it.
+            seen_from: Where the drone was when the picture was taken.
+            mount: How the camera sits on it.
+            limits: What holds now.
+        """
+        rr, stream, now = self._rr, self._stream, step.situation
+        stream.set_time("stamp", duration=now.now_ns * 1e-9)
+        at = np.asarray(step.state.position_m, float)
+        nose = rotation(step.state) @ np.array([0.4, 0.0, 0.0])
+        stream.log("flight/drone", rr.Arrows3D(origins=[at], vectors=[nose], colors=[_DRONE], radii=0.03))
+        if step.pose is not None:
+            world = to_world(step.pose.joints, seen_from, mount)
+            bones = rr.LineStrips3D(
+                world[np.array(BONES)], colors=bone_colors(BONES, LANDMARKS), radii=_BONE_M
+            )
+            stream.log("flight/operator", bones)
+        if not self._way or np.linalg.norm(at - self._way[-1]) > _WAY_M:
+            self._way.append(at)
+            stream.log("flight/way", rr.LineStrips3D([list(self._way)], colors=[_DRONE], radii=0.01))
+        if limits != self._limits:
+            self._limits = limits
+            walls = fence_lines(limits.fence, limits.ceiling_m)
+            stream.log("flight/fence", rr.LineStrips3D(walls, colors=[_FENCE], radii=0.02))
+        self.figures(_figures(step))
+        self._decisions(step)
+
+    def _decisions(self, step: Step) -> None:
+        gesture, verdict = step.gesture, step.verdict
+        if gesture is not None and gesture.label is not None:
+            self.say(f"{gesture.label.replace('_', ' ')} {gesture.confidence:.0%}")
+        if verdict.row:
+            self.say(f"{verdict.row}: {verdict.mode.replace('_', ' ')}")
+        if verdict.reason:
+            self.say(verdict.reason, alarming=True)
+
     def say(self, text: str, alarming: bool = False) -> None:
         """Write a line into the log: a gesture, a change of the camera's health."""
         rr = self._rr
@@ -140,6 +193,22 @@ class RerunView:
         )
 
 
+def _figures(step: Step) -> dict[str, float]:
+    """Return what is plotted of a turn of a flight."""
+    state, sent = step.state, step.permit.setpoint
+    forward, left, up = (np.nan,) * 3 if sent is None else sent.velocity_m_s
+    return {
+        "pose_ms": 1e3 * step.pose_s,
+        "rest_ms": 1e3 * step.rest_s,
+        "distance_m": np.nan if step.situation.distance_m is None else step.situation.distance_m,
+        "height_m": float(state.position_m[2]),
+        "battery": np.nan if state.battery is None else state.battery,
+        "sent_forward_m_s": forward,
+        "sent_left_m_s": left,
+        "sent_up_m_s": up,
+    }
+
+
 def _joint_radii(pose: Pose) -> Float[np.ndarray, 13]:
     """A landmark is as large as its uncertainty, within what can be looked at."""
     return np.asarray(np.clip(pose.sigma_m, _JOINT_M, 0.12))
@@ -163,8 +232,11 @@ def _blueprint() -> Any:
     rrb = load("rerun.blueprint", "view", "The view in Rerun")
     return rrb.Blueprint(
         rrb.Horizontal(
-            rrb.Spatial3DView(
-                origin="world", name="space", contents=["$origin/**", "- $origin/camera/depth"]
+            rrb.Tabs(
+                rrb.Spatial3DView(
+                    origin="world", name="space", contents=["$origin/**", "- $origin/camera/depth"]
+                ),
+                rrb.Spatial3DView(origin="flight", name="flight"),
             ),
             rrb.Vertical(
                 rrb.Spatial2DView(

@@ -1,0 +1,175 @@
+"""The console, seen from the loop: values go out, wishes come in, and nothing here waits for a viewer."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import secrets
+import threading
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+
+from wigwag.camera.extras import require
+from wigwag.errors import InputError, ViewError
+from wigwag.view.console.gate import Gate, is_loopback
+from wigwag.view.console.slot import Slot
+from wigwag.view.console.values import Ask, Snapshot, newer
+
+PICTURE_PX = 480
+"""Width that a picture has at most when it leaves."""
+_START_S = 60.0
+"""So long the page's process may take to begin on a busy machine."""
+
+
+@dataclass(frozen=True, slots=True)
+class ConsoleConfig:
+    """Where the page is, and what it is called.
+
+    Raises:
+        InputError: If the address is none, or another one than this machine's own has a token too short.
+    """
+
+    host: str = "127.0.0.1"
+    port: int = 8080
+    """0: any that is free."""
+    token: str | None = None
+    """What has to be shown; drawn anew for another address than this machine's own."""
+    title: str = "wigwag"
+    flies: bool = True
+    """Whether there is something to be stopped."""
+
+    def __post_init__(self) -> None:
+        """Check, and draw a token where one is needed."""
+        if not self.host or not 0 <= self.port <= 65_535:
+            raise InputError(f"The console needs an address such as 127.0.0.1:8080, but got {self.address}.")
+        if self.token is None and not is_loopback(self.host):
+            object.__setattr__(self, "token", secrets.token_urlsafe(24))
+        Gate(self.host, self.token)
+
+    @property
+    def address(self) -> str:
+        """Host and port."""
+        return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
+
+    @classmethod
+    def at(
+        cls, address: str, token: str | None = None, title: str = "wigwag", flies: bool = True
+    ) -> ConsoleConfig:
+        """Read HOST:PORT.
+
+        Raises:
+            InputError: If it is none.
+        """
+        host, colon, port = address.rpartition(":")
+        if not colon or not port.isdecimal():
+            raise InputError(f"The console needs an address such as 127.0.0.1:8080, but got {address!r}.")
+        return cls(host.strip("[]"), int(port), token, title, flies)
+
+
+class Console:
+    """Serves the page from a process of its own.
+
+    Args:
+        config: Where.
+
+    Raises:
+        MissingExtraError: If viser is not installed.
+        ViewError: If the page cannot be served there, for instance because another program is.
+    """
+
+    def __init__(self, config: ConsoleConfig | None = None) -> None:
+        require("viser", "console", "The console")
+        self.config = config or ConsoleConfig()
+        from wigwag.view.console.process import serve
+
+        context = multiprocessing.get_context("spawn")
+        self._link, theirs = context.Pipe()
+        self._process = context.Process(
+            target=serve, args=(theirs, self.config), name="wigwag console", daemon=True
+        )
+        self._process.start()
+        theirs.close()
+        self.url = self._begun()
+        """What to open in a browser; with the token, if there is one."""
+        self.trouble = ""
+        """Why the page is gone; empty: it is there. The loop goes on without it."""
+        self._slot: Slot[Snapshot] = Slot(newer)
+        self._asks: dict[str, Ask] = {}
+        """What waits, by button or limit: however fast somebody clicks, a stop is in here."""
+        self._lock = threading.Lock()
+        self._threads = [
+            threading.Thread(target=self._send, name="console out", daemon=True),
+            threading.Thread(target=self._receive, name="console in", daemon=True),
+        ]
+        for thread in self._threads:
+            thread.start()
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Leave a snapshot for the page. Returns at once, whoever looks and however slowly."""
+        self._slot.put(snapshot)
+
+    def asks(self) -> list[Ask]:
+        """Return what was asked for on the page since the last call."""
+        with self._lock:
+            asked, self._asks = list(self._asks.values()), {}
+        return asked
+
+    def close(self) -> None:
+        """Take the page down."""
+        self._slot.close()
+        self._link.close()
+        self._process.join(2.0)
+        if self._process.is_alive():
+            self._process.terminate()
+            self._process.join(2.0)
+
+    def _begun(self) -> str:
+        try:
+            if not self._link.poll(_START_S):
+                raise EOFError("it does not answer")
+            began = json.loads(self._link.recv_bytes(4096))
+        except (EOFError, OSError) as error:
+            self._process.terminate()
+            raise ViewError(f"The console's process did not begin ({error}).") from error
+        if "error" in began:
+            self._process.join(2.0)
+            raise ViewError(f"The console cannot be served on {self.config.address}: {began['error']}")
+        query = "" if self.config.token is None else f"?token={self.config.token}"
+        return f"{began['url']}/{query}"
+
+    def _send(self) -> None:
+        while (snapshot := self._slot.take()) is not None:
+            try:
+                self._link.send(_small(snapshot))
+            except (OSError, ValueError) as error:
+                self.trouble = f"the console's page is gone ({error})"
+                return
+
+    def _receive(self) -> None:
+        while True:
+            try:
+                ask = Ask.from_json(self._link.recv_bytes(4096))
+                with self._lock:
+                    self._asks[ask.button or ask.limit] = ask
+            except InputError as error:
+                self.trouble = str(error)
+            except (EOFError, OSError, TypeError) as error:  # closed, here (a TypeError) or there
+                self.trouble = self.trouble or f"the console's page is gone ({error})"
+                return
+
+
+def _small(snapshot: Snapshot) -> Snapshot:
+    """Make the picture as small as it is shown."""
+    picture = snapshot.picture
+    if picture is None or picture.rgb.shape[1] <= PICTURE_PX:
+        return snapshot
+    height, width = picture.rgb.shape[:2]
+    part = -(-width // PICTURE_PX)  # a whole number of pixels become one, which is far faster than a share
+    size = (max(1, width // part), max(1, height // part))
+    rgb = cv2.resize(picture.rgb[: size[1] * part, : size[0] * part], size, interpolation=cv2.INTER_AREA)
+    return replace(snapshot, picture=replace(picture, rgb=np.asarray(rgb, np.uint8)))
+
+
+__all__ = ["Console", "ConsoleConfig"]

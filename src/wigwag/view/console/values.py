@@ -1,0 +1,162 @@
+"""What goes from the loop to the page, and what comes back: values, no handles."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+from jaxtyping import Float, UInt8
+
+from wigwag.errors import InputError
+from wigwag.fly.follow import Goal
+from wigwag.fly.limits import SupervisorConfig
+from wigwag.fly.operator import Mount
+from wigwag.fly.situation import Craft, Mode
+from wigwag.fly.values import VehicleState
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """Something that was said or decided, for the list of events."""
+
+    at_s: float
+    """On the clock of the stamps."""
+    text: str
+    kind: str = ""
+    """``"gesture"``, ``"mode"``, ``"console"``, ``"alarm"``, or nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """Somebody, as far as they are drawn."""
+
+    is_operator: bool
+    joints_m: Float[np.ndarray, "13 3"] | None
+    """Camera optical frame; ``None``: not placed in space."""
+    points_px: Float[np.ndarray, "33 2"] | None
+    """Landmarks in the picture as the camera gave it; ``None``: not seen in it."""
+    visibility: Float[np.ndarray, " 33"] | None
+    """Of those, 0 to 1."""
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """What the camera saw."""
+
+    rgb: UInt8[np.ndarray, "height width 3"]
+    """Perhaps smaller than the camera gave it."""
+    size_px: tuple[int, int]
+    """Width and height as the camera gave it: what ``Figure.points_px`` are counted in."""
+    fov_rad: float
+    """Vertical angle of view."""
+
+
+@dataclass(frozen=True, slots=True)
+class Flight:
+    """Of the drone and the supervisor; absent where nothing flies."""
+
+    mode: Mode
+    craft: Craft
+    reason: str
+    """Why a command was not obeyed; empty most of the time."""
+    changed: str
+    """The guards that held the set-point back."""
+    speed_m_s: float
+    """Horizontal speed that was sent; 0 where nothing was."""
+    distance_m: float | None
+    """Horizontal distance to the operator."""
+    goal: Goal
+    state: VehicleState
+    """The newest."""
+    limits: SupervisorConfig
+    start: SupervisorConfig
+    """The limits that the flight began with."""
+    withheld: bool
+    """Whether the console holds the drone."""
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """All that the page shows, at one moment: each one is complete, and any may be left out."""
+
+    now_ns: int
+    picture: Picture | None
+    """``None``: none came, or it is not this one's turn to carry it."""
+    figures: tuple[Figure, ...]
+    seen_from: VehicleState | None
+    """Where the drone was when the picture was taken; ``None``: the camera stands somewhere, level."""
+    mount: Mount
+    flight: Flight | None
+    who: str
+    """Who commands, or why nobody does."""
+    engaging: float
+    """How much of the time that engaging takes somebody has held a hand up, 0 to 1."""
+    rate_hz: float
+    """Turns of the loop a second, on the wall's clock."""
+    pose_ms: float
+    """Processor milliseconds of finding the pose, a median."""
+    rest_ms: float
+    """The same for everything after it."""
+    lines: tuple[Line, ...]
+    """The last events, the newest last; whoever missed a snapshot has missed none of them."""
+
+
+def newer(missed: Snapshot, snapshot: Snapshot) -> Snapshot:
+    """Return the later of two snapshots, with the picture of the one that was missed if it has none."""
+    if snapshot.picture is not None or missed.picture is None:
+        return snapshot
+    return replace(snapshot, picture=missed.picture)
+
+
+class Button(StrEnum):
+    """What can be pressed on the page. None of them arms or takes off."""
+
+    STOP = "stop"
+    """The operator's stop: it holds; the next gesture is obeyed."""
+    HOLD = "hold"
+    """Stop, and gestures but for stop and land are refused until somebody presses engage."""
+    LAND = "land"
+    ENGAGE = "engage"
+    """Lets go of a hold; whoever is seen alone becomes the operator if nobody is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ask:
+    """What somebody asks for on the page: a button, or a limit set anew."""
+
+    button: Button | None = None
+    limit: str = ""
+    """The name of a dial (``wigwag.fly.tighten``)."""
+    value: float = 0.0
+
+    def to_json(self) -> bytes:
+        """Return it in the form in which it leaves the page's process."""
+        read = {"limit": self.limit, "value": self.value} if self.button is None else {"button": self.button}
+        return json.dumps(read).encode()
+
+    @classmethod
+    def from_json(cls, data: bytes) -> Ask:
+        """Read it. The loop unpickles nothing that comes from a process that listens to a network.
+
+        Raises:
+            InputError: If it is of no known form.
+
+        Example:
+            >>> Ask.from_json(Ask(Button.STOP).to_json())
+            Ask(button=<Button.STOP: 'stop'>, limit='', value=0.0)
+        """
+        try:
+            read = json.loads(data)
+            if set(read) == {"button"}:
+                return cls(Button(read["button"]))
+            if set(read) == {"limit", "value"} and math.isfinite(value := float(read["value"])):
+                return cls(None, str(read["limit"])[:40], value)
+        except (ValueError, TypeError, AttributeError) as error:
+            raise InputError(f"{data[:80]!r} is nothing that the console's page can ask for.") from error
+        raise InputError(f"{data[:80]!r} is nothing that the console's page can ask for.")
+
+
+__all__ = ["Ask", "Button", "Figure", "Flight", "Line", "Picture", "Snapshot", "newer"]
