@@ -115,9 +115,9 @@ def test_a_command_that_may_end_in_1_says_when(entry: Entry) -> None:
 @pytest.mark.parametrize("entry", ENTRIES, ids=words_of)
 def test_a_command_shows_that_it_is_at_work(entry: Entry) -> None:
     """The marks are of what shows a bar, a line that changes, or a picture of the moment."""
-    kinds = [kind for kind in entry.kind.__mro__ if kind is not object]
-    source = "".join(inspect.getsource(sys.modules[kind.__module__]) for kind in kinds)
-    assert re.search(r"\b(bar_of_steps|status|track|Progress|Live)\(", source)
+    kinds = [kind for kind in entry.kind.__mro__ if kind.__module__.startswith("wigwag.")]
+    sources = [inspect.getsource(sys.modules[kind.__module__]) for kind in kinds]
+    assert any(re.search(r"\b(bar_of_steps|status|track|Progress|Live)\(", source) for source in sources)
 
 
 @pytest.mark.parametrize("file", SNAPSHOTS, ids=lambda file: file.stem)

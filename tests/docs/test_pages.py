@@ -1,7 +1,9 @@
 """What the pages tell readers to type: command lines parse, Python compiles, and what it imports is there."""
 
 import ast
+import contextlib
 import importlib
+import io
 import json
 import re
 import shlex
@@ -11,7 +13,8 @@ from pathlib import Path
 import pytest
 import tyro
 
-from wigwag.cli.app import Commands
+from wigwag.cli.app import Commands, run
+from wigwag.cli.catalogue import catalogue
 
 PAGES = sorted([*Path().glob("*.md"), *Path("docs").rglob("*.md"), *Path("docker").glob("*.md")])
 NOTEBOOKS = sorted(Path("docs/notebooks").glob("*.ipynb"))
@@ -76,3 +79,28 @@ def test_notebooks_are_kept_without_outputs_and_import_what_is_there(path: Path)
 def test_pages_name_commands_and_there_are_three_notebooks() -> None:
     assert sum(len(list(command_lines(page))) for page in PAGES) >= 15
     assert len(NOTEBOOKS) >= 3
+
+
+@pytest.fixture(scope="module")
+def options() -> set[str]:
+    """All options of all commands, as their help names them."""
+    found = {"--help", "--tyro-print-completion"}
+    for entry in catalogue():
+        said = io.StringIO()
+        with contextlib.redirect_stdout(said), contextlib.suppress(SystemExit):
+            run([*entry.words, "--help"])
+        found |= set(re.findall(r"(?<![\w-])--[a-z][a-z0-9-]*", said.getvalue()))
+    return found
+
+
+def test_options_named_in_a_sentence_are_wigwags(options: set[str]) -> None:
+    """Not in the changelog, which names what went, nor where it is another program's."""
+    for page in PAGES:
+        text = _FENCE.sub("", page.read_text("utf-8"))
+        spans = re.findall(r"`([^`\n]+)`", text) if page.name != "CHANGELOG.md" else []
+        for span in spans:
+            named = set(re.findall(r"(?<![\w-])--[a-z][a-z0-9-]*", span))
+            if re.match("(uv run )?wigwag ", span) or (
+                span.startswith("--") and page.parent.name != "docker"
+            ):
+                assert named <= options, f"{page}: `{span}`"

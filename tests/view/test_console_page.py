@@ -93,7 +93,7 @@ def test_a_flight_is_seen_and_stopped_from_the_page() -> None:
         assert operators[0].sum() > 30 and (operators[0] ^ operators[1]).sum() > 30, "the operator moves"
 
         other = Tab(browser, flown.url)
-        other.until("executing")
+        other.page.locator("[data-mode]").wait_for()
         pressed_s = tab.press("STOP")
         held = flown.until(lambda turn: turn["mode"] == "holding", pressed_s)
         turn_s = np.median(np.diff([turn["wall_s"] for turn in flown.turns[-60:]]))
