@@ -193,8 +193,10 @@ class OperatorKeeper:
         if people.misfit(track, seen, now_ns, slack) >= 1.0 or not people.sized_like(track, seen):
             return False
         mine = people.away_m(track, seen, now_ns)
+        followed = track.age_s(now_ns) <= self.config.glitch_s
         for other in people.tracks:
-            if other is track or other.looks <= 2 or other.age_s(now_ns) > _KNOWN_S:
+            age_s = other.age_s(now_ns)
+            if other is track or other.looks <= 2 or age_s > (_LATELY_S if followed else _KNOWN_S):
                 continue
             if people.away_m(other, seen, now_ns) < mine:
                 return False
@@ -278,8 +280,9 @@ class OperatorKeeper:
         return "the operator is not seen"
 
 
-_KNOWN_S = 0.8
-"""Who was seen as somebody else so lately is not the operator: of four people, each is looked at so often."""
+_LATELY_S, _KNOWN_S = 0.5, 0.8
+"""Who was seen as somebody else so lately is not the operator, who is followed or has to be found again: of
+four people, each is looked at as often as the latter."""
 _LEANS_M_S = 2.5
 """How fast a trunk bends at most, as the camera sees it."""
 _CALL_NS = 1_000_000_000
