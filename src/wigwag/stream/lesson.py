@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from wigwag.errors import InputError
 from wigwag.recognise.similarity import Sides
@@ -20,6 +21,7 @@ from wigwag.stream.rehearse import Rehearsal, choose, limits_of
 from wigwag.stream.sureness import Sureness
 from wigwag.stream.ticks import RATE_HZ
 from wigwag.stream.truth import LabelledStream, Meaning, Showing, meaning
+from wigwag.stream.untaught import TAUGHT, Untaught
 from wigwag.stream.watcher import Hypothesis, WatchConfig, Watcher
 
 Origin = Literal["start", "drift"]
@@ -42,6 +44,8 @@ class Looked:
 
     hypothesis: Hypothesis
     meaning: Meaning
+    group: int
+    """Which gestures are left out where this one is to be one that nobody taught."""
     sides: Sides
 
 
@@ -73,6 +77,7 @@ class Lesson:
     def learn(self, config: StreamConfig) -> StreamModel:
         """Teach everything."""
         owners = self._refer()
+        self.untaught = Untaught(self.model.labels, config.commands, np.random.default_rng(self.seed))
         looked: list[list[Looked]] = [[] for _ in self.streams]
         judged: list[int] = []
         for number in self._order(config):
@@ -121,7 +126,12 @@ class Lesson:
         """Watch one stream and keep a share of what is looked at."""
         truth = self.truth[number]
         return [
-            Looked(h, meaning(h, truth), [side.astype(np.float16) for side in self.model.sides(clip)])
+            Looked(
+                h,
+                meaning(h, truth),
+                self.untaught.of(h, truth),
+                [side.astype(np.float16) for side in self.model.sides(clip)],
+            )
             for h, clip in watch(self.streams[number].stream)
             if share == 1.0 or self.rng.random() < share
         ]
@@ -132,7 +142,7 @@ class Lesson:
         return self.model.labels.index(self.truth[stream][one.meaning.showing].label)
 
     def _teach(self, looked: Sequence[list[Looked]], owners: Int[np.ndarray, " references"]) -> None:
-        """Learn from some of all stretches, with all people and with each fold left out."""
+        """Learn from some of all stretches: from all, and with each fold and each group left out."""
         gestures: list[tuple[int, int]] = []
         nothing: list[tuple[int, int]] = []
         for stream, looks in enumerate(looked):
@@ -143,19 +153,27 @@ class Lesson:
         some += [nothing[int(i)] for i in self.rng.permutation(len(nothing))[:_MOST_NOTHING]]
         numbers = np.array([self._number(s, looked[s][i]) for s, i in some])
         progress = np.array([looked[s][i].meaning.progress for s, i in some])
-        folds = self.fold[[s for s, _ in some]]
-        shares = Shares(len(self.model.numbers) * len(self.model.similar.kinds), len(self.model.labels))
-        for fold in range(_MOST_FOLDS):
-            rows = np.flatnonzero(folds == fold)
-            features = self._features([looked[some[r][0]][some[r][1]] for r in rows])
-            shares.add(features, numbers[rows], progress[rows])
-        self.model.weights = shares.solve()
+        parts = [(int(self.fold[s]), looked[s][i].group) for s, i in some]
         views = len(self.model.similar.kinds)
-        self.without = {
-            fold: shares.solve(fold, np.repeat(owners != fold, views))
-            for fold in range(_MOST_FOLDS)
-            if (owners != fold).any()
-        }
+        shares = Shares(len(self.model.numbers) * views, len(self.model.labels))
+        for part in sorted(set(parts)):
+            rows = [r for r, mine in enumerate(parts) if mine == part]
+            features = self._features([looked[some[r][0]][some[r][1]] for r in rows])
+            shares.add(part, features, numbers[rows], progress[rows])
+        self.model.weights = shares.solve()
+        self.without: dict[tuple[int, int], np.ndarray] = {}
+        for fold, group in product(range(_MOST_FOLDS), range(TAUGHT, self.untaught.count)):
+            kept = self._allowed(fold, group, owners)
+            if kept.any():
+                out = None if group == TAUGHT else group
+                self.without[fold, group] = shares.solve(fold, out, np.repeat(kept, views))
+
+    def _allowed(
+        self, fold: int, group: int, owners: Int[np.ndarray, " references"]
+    ) -> Bool[np.ndarray, " references"]:
+        """Say which references are left when a fold's people and a group of gestures are left out."""
+        groups = self.untaught.of_label[self.model.numbers]
+        return np.asarray((owners != fold) & ((groups != group) | (group == TAUGHT)))
 
     def _features(self, looks: Sequence[Looked]) -> Float[np.ndarray, "rows features"]:
         similar = self.model.similar
@@ -167,22 +185,26 @@ class Lesson:
     def _rehearse(
         self, looked: dict[int, list[Looked]], owners: Int[np.ndarray, " references"]
     ) -> list[Rehearsal]:
-        """Look at streams with what others have taught."""
+        """Look at streams with what others have taught, who know commands and what is shown no more of."""
         rehearsals = []
         for stream, looks in looked.items():
             fold = int(self.fold[stream])
-            if not looks or fold not in self.without:
+            if not looks or (fold, TAUGHT) not in self.without:
                 continue
-            memory = Memory.empty()
-            allowed, weights = owners != fold, self.without[fold]
+            memories: dict[int, Memory] = {}
+            allowed = {g: self._allowed(fold, g, owners) for g in range(TAUGHT, self.untaught.count)}
             decided, signs = np.empty(len(looks), dtype=np.int64), []
             for i, one in enumerate(looks):
+                group = one.group if (fold, one.group) in self.without else TAUGHT
                 distances = self.model.similar.distances(_full(one.sides))
+                weights = self.without[fold, group]
                 scores = (self.model.similar.features(distances) @ weights).astype(np.float64)
-                found = self.model.evidence(one.hypothesis, distances, scores, memory, allowed)
+                memory = memories.setdefault(group, Memory.empty())
+                found = self.model.evidence(one.hypothesis, distances, scores, memory, allowed[group])
                 decided[i] = found[0]
                 signs.append(found[1])
             right = np.array([self._number(stream, one) == d for one, d in zip(looks, decided, strict=True)])
+            unknown = np.array([one.group != TAUGHT for one in looks])
             rehearsals.append(
                 Rehearsal(
                     fold,
@@ -191,8 +213,8 @@ class Lesson:
                     [one.hypothesis for one in looks],
                     np.stack(signs),
                     decided,
-                    right,
-                    np.array([one.meaning.doubtful for one in looks]),
+                    right & ~unknown,
+                    np.array([one.meaning.doubtful for one in looks]) & ~unknown,
                 )
             )
         return rehearsals

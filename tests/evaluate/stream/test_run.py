@@ -153,7 +153,8 @@ def test_nobody_stands_on_both_sides(two_classes: list[Lesson]) -> None:
         two_classes.clear()
         rows = run("deaf", "utd-mhad", "utkinect", "simulated", inner=inner, rounds=1)
         for fold, given in zip(folds(material(), inner), two_classes, strict=True):
-            people = {c.subject for c in (*given.gestures, *given.others, *given.background)}
+            clips = (*given.gestures, *given.others, *given.background, *given.deliberate)
+            people = {c.subject for c in clips}
             people |= {r.stream.subject for r in given.streams}
             assert not people & {*fold.judged, *fold.everyday_judged}
             assert {p for p in people if str(p).startswith("s")} == set(fold.taught)
@@ -327,6 +328,21 @@ def test_background_holds_nothing_that_is_a_gesture_by_another_name() -> None:
     made, left = own_lesson(material(), folds(material(), False)[0], CLASSES, "s2", trial=9)
     assert [c.name for c in made.gestures] == ["a1_s2_t1", "a6_s2_t1"], "the first, where there are fewer"
     assert len(left) == 4
+
+
+def test_deliberate_movement_that_is_no_command_is_of_people_who_may_teach() -> None:
+    everyone = material()
+    for number in (3, 6, 12):
+        for gesture in ("g2", "g4"):
+            name = f"msrc12_p{number:02}"
+            stream = replace(walk(name, 4.0), name=f"{name} {gesture}")
+            scene = Mark(f"msrc12:{gesture}", 0, int(stream.stamps_ns[-1]))
+            everyone.streams.setdefault("msrc12", []).append(Recording(stream, (), (scene,)))
+    fold = folds(everyone, False)[0]
+    ducking = [c.name for c in lesson(everyone, fold, ("a1", "a6"), rounds=1).deliberate]
+    assert ducking == ["msrc12_p06 g2", "msrc12_p06 g4", "msrc12_p12 g2", "msrc12_p12 g4"]
+    squatting = [c.name for c in lesson(everyone, fold, ("a1", "a27"), rounds=1).deliberate]
+    assert squatting == ["msrc12_p06 g4", "msrc12_p12 g4"], "who ducks squats: a27"
 
 
 def test_reading_takes_what_is_there(tmp_path: Path) -> None:

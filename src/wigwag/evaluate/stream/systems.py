@@ -98,6 +98,11 @@ def teach_gesture_stream(lesson: Lesson) -> Listener:
     return teach_stream(clips, background, streams, config, random_state=lesson.seed).stream()
 
 
+def teach_beside_deliberate(lesson: Lesson) -> Listener:
+    """Teach the same, and as no command also what other people gesture deliberately."""
+    return teach_gesture_stream(replace(lesson, background=lesson.background + lesson.deliberate))
+
+
 def _showing(mark: Mark) -> Showing:
     return Showing(mark.label, mark.onset_ns, mark.end_ns)
 
@@ -114,6 +119,7 @@ def _movable(clip: Clip) -> Clip:
 
 SYSTEMS: dict[str, Callable[[Lesson], Listener]] = {
     "stream": teach_gesture_stream,
+    "stream+msrc12": teach_beside_deliberate,
     "spotter": teach_spotter,
 }
 """Every system by its name: from a lesson to a listener."""
