@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import pickle
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +18,8 @@ from wigwag.sim.response import Response, ResponseConfig
 from wigwag.sim.sketch import SketchWorld
 from wigwag.view.console.desk import SNAPSHOT_HZ, Desk
 from wigwag.view.console.page import events_html, picture_html, state_html
-from wigwag.view.console.values import Ask, Button, Line, Snapshot
+from wigwag.view.console.teaching import lesson_html
+from wigwag.view.console.values import Ask, Button, Lesson, Line, Snapshot
 
 
 class Page:
@@ -192,3 +195,39 @@ def test_what_is_shown_is_text_and_no_page_of_its_own() -> None:
     shown = events_html(lines)
     assert "<script>" not in shown and shown.index("{19}".strip("{}")) < shown.index("11&lt;")
     assert "data:image/jpeg;base64,/9j/" in picture_html(np.zeros((30, 40, 3), np.uint8))
+
+
+def lesson(**changed: Any) -> Lesson:
+    stands = Lesson(
+        "<i>wave</i>", "3 ...", "feet out of view", 1, 3, True, False, (Line(1.0, "<u>"),), ("a",)
+    )
+    return replace(stands, **changed)
+
+
+def test_lessons_are_for_whoever_gives_them_and_what_is_learned_is_shown_at_once() -> None:
+    page = Page()
+    desk = Desk(page, None, None, clock_ns=lambda: 0)
+    page.wishes = [Ask(teach="wave"), press(Button.CANCEL), press(Button.STOP)]
+    assert desk.asked() is None
+    assert list(desk.lessons) == [Ask(teach="wave"), press(Button.CANCEL)]
+    for learning in (False, False, True):
+        desk.show_watched(None, None, 7, 0.01, "", lesson=lesson(learning=learning))
+    shown = [snapshot.lesson for snapshot in page.shown]
+    assert [one.learning for one in shown if one is not None] == [False, True], "out of its turn"
+
+
+def test_a_flight_that_is_asked_to_teach_flies_on() -> None:
+    bench = Bench()
+    bench.turns(0.5)
+    for _ in range(20):
+        bench.turn(Ask(teach="x"))
+    assert bench.flown.pilot.supervisor.mode is Mode.DISARMED and len(bench.desk.lessons) <= 8
+    assert bench.page.shown[-1].lesson is None
+
+
+def test_a_lesson_is_shown_as_text() -> None:
+    shown = lesson_html(lesson())
+    for part in ("&lt;i&gt;wave&lt;/i&gt;: 1 of 3", "3 ...", "feet out of view", "&lt;u&gt;", "knows: a"):
+        assert part in shown, part
+    assert "<i>" not in shown and "<u>" not in shown
+    assert "knows" not in lesson_html(lesson(known=())) and "of 3" not in lesson_html(lesson(gesture=""))

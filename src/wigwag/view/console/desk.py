@@ -16,7 +16,7 @@ from wigwag.fly.values import Command, VehicleState
 from wigwag.pilot import Pilot, Step
 from wigwag.pose.estimator import Person, PoseEstimator
 from wigwag.skeleton import Pose
-from wigwag.view.console.values import Ask, Button, Figure, Flight, Line, Picture, Snapshot
+from wigwag.view.console.values import Ask, Button, Figure, Flight, Lesson, Line, Picture, Snapshot
 
 SNAPSHOT_HZ = 12.0
 """How often a snapshot is made at most."""
@@ -63,10 +63,13 @@ class Desk:
         if eyes is None and pilot is not None and isinstance(pilot.pose, PoseEstimator):
             eyes = pilot.pose
         self.eyes, self._clock_ns = eyes, clock_ns
+        self.lessons: deque[Ask] = deque(maxlen=8)
+        """What was asked for of lessons, for whoever gives them to take."""
         self._lines: deque[Line] = deque(maxlen=_KEPT_LINES)
         self._turns: deque[int] = deque(maxlen=60)
         self._timings: deque[tuple[float, float]] = deque(maxlen=60)
         self._situation: Situation | None = None
+        self._now_ns = 0
         self._shown_ns: int | None = None
         self._count = 0
         self._trouble = ""
@@ -81,7 +84,9 @@ class Desk:
             return None
         buttons = [ask.button for ask in asks if ask.button is not None]
         for ask in asks:
-            if ask.button is None:
+            if ask.teach is not None or ask.button is Button.CANCEL:
+                self.lessons.append(ask)
+            elif ask.button is None:
                 self._tighten(ask)
         for button in buttons:
             self._press(button)
@@ -111,7 +116,7 @@ class Desk:
             trouble: What is wrong with the camera.
         """
         now_ns = step.situation.now_ns
-        self._situation = step.situation
+        self._situation, self._now_ns = step.situation, now_ns
         self._hear(step, now_ns)
         self._complain(trouble or ("" if self.pilot is None else self.pilot.trouble), now_ns)
         if not self._due(step.pose_s, step.rest_s) or self.pilot is None:
@@ -122,7 +127,14 @@ class Desk:
         self._leave(frame, step.pose, now_ns, flight, seen_from=seen_from, mount=self.pilot.config.mount)
 
     def show_watched(
-        self, frame: Frame | None, pose: Pose | None, now_ns: int, pose_s: float, trouble: str
+        self,
+        frame: Frame | None,
+        pose: Pose | None,
+        now_ns: int,
+        pose_s: float,
+        trouble: str,
+        *,
+        lesson: Lesson | None = None,
     ) -> None:
         """Tell the page of a turn of a loop that flies nothing.
 
@@ -132,10 +144,14 @@ class Desk:
             now_ns: On the clock of the stamps.
             pose_s: Processor seconds for finding it.
             trouble: What is wrong with the camera.
+            lesson: What is being taught. That it is being learned is shown at once: no other turn comes
+                before that is over.
         """
         self._complain(trouble, now_ns)
-        if self._due(pose_s, 0.0):
-            self._leave(frame, pose, now_ns, None)
+        self._now_ns = now_ns
+        due = self._due(pose_s, 0.0)
+        if due or (lesson is not None and lesson.learning):
+            self._leave(frame, pose, now_ns, None, lesson=lesson)
 
     def _hear(self, step: Step, now_ns: int) -> None:
         """Note what is worth a line in the list of events."""
@@ -155,8 +171,7 @@ class Desk:
         self._trouble = trouble
 
     def _say(self, text: str, kind: str) -> None:
-        at_ns = 0 if self._situation is None else self._situation.now_ns
-        self._lines.append(Line(at_ns * 1e-9, text, kind))
+        self._lines.append(Line(self._now_ns * 1e-9, text, kind))
 
     def _due(self, pose_s: float, rest_s: float) -> bool:
         """Count a turn; say whether it is time for another snapshot."""
@@ -177,6 +192,7 @@ class Desk:
         *,
         seen_from: VehicleState | None = None,
         mount: Mount | None = None,
+        lesson: Lesson | None = None,
     ) -> None:
         span_s = (self._turns[-1] - self._turns[0]) * 1e-9
         pose_ms, rest_ms = (median(part) for part in zip(*self._timings, strict=True))
@@ -194,6 +210,7 @@ class Desk:
             pose_ms,
             rest_ms,
             tuple(self._lines),
+            lesson,
         )
         self._count += 1
         self.console.show(snapshot)

@@ -79,6 +79,29 @@ class Flight:
 
 
 @dataclass(frozen=True, slots=True)
+class Lesson:
+    """Of what is being taught; absent where nothing is."""
+
+    gesture: str
+    """Its name; empty: none has been named yet."""
+    headline: str
+    """The one thing to do now."""
+    advice: str
+    """What is wrong, or was wrong with the last repetition; empty: nothing."""
+    taken: int
+    """Repetitions so far."""
+    wanted: int
+    under_way: bool
+    """Whether a gesture is being shown or learned: then no other one can be begun."""
+    learning: bool
+    """Whether the loop is about to learn and will not be heard of until it has."""
+    said: tuple[Line, ...]
+    """What was taken, refused and learned, the newest last."""
+    known: tuple[str, ...]
+    """The gestures that the model knows."""
+
+
+@dataclass(frozen=True, slots=True)
 class Snapshot:
     """All that the page shows, at one moment: each one is complete, and any may be left out."""
 
@@ -102,6 +125,7 @@ class Snapshot:
     """The same for everything after it."""
     lines: tuple[Line, ...]
     """The last events, the newest last; whoever missed a snapshot has missed none of them."""
+    lesson: Lesson | None = None
 
 
 def newer(missed: Snapshot, snapshot: Snapshot) -> Snapshot:
@@ -121,20 +145,39 @@ class Button(StrEnum):
     LAND = "land"
     ENGAGE = "engage"
     """Lets go of a hold; whoever is seen alone becomes the operator if nobody is."""
+    CANCEL = "cancel"
+    """Ends the lesson under way."""
+
+
+NAME_MOST = 200
+"""A gesture's name is cut off after so many characters where it enters, and refused where it is judged."""
 
 
 @dataclass(frozen=True, slots=True)
 class Ask:
-    """What somebody asks for on the page: a button, or a limit set anew."""
+    """What somebody asks for on the page: a button, a gesture to be taught, or a limit set anew."""
 
     button: Button | None = None
     limit: str = ""
     """The name of a dial (``wigwag.fly.tighten``)."""
     value: float = 0.0
+    teach: str | None = None
+    """The name of a gesture, as somebody typed it."""
+
+    @property
+    def about(self) -> tuple[str, str]:
+        """What it is about: of two asks about the same, the later one counts."""
+        if self.button is not None:
+            return "button", self.button
+        return ("teach", "") if self.teach is not None else ("limit", self.limit)
 
     def to_json(self) -> bytes:
         """Return it in the form in which it leaves the page's process."""
-        read = {"limit": self.limit, "value": self.value} if self.button is None else {"button": self.button}
+        read: dict[str, object] = {"limit": self.limit, "value": self.value}
+        if self.button is not None:
+            read = {"button": self.button}
+        elif self.teach is not None:
+            read = {"teach": self.teach[:NAME_MOST]}
         return json.dumps(read).encode()
 
     @classmethod
@@ -146,7 +189,7 @@ class Ask:
 
         Example:
             >>> Ask.from_json(Ask(Button.STOP).to_json())
-            Ask(button=<Button.STOP: 'stop'>, limit='', value=0.0)
+            Ask(button=<Button.STOP: 'stop'>, limit='', value=0.0, teach=None)
         """
         try:
             read = json.loads(data)
@@ -154,9 +197,13 @@ class Ask:
                 return cls(Button(read["button"]))
             if set(read) == {"limit", "value"} and math.isfinite(value := float(read["value"])):
                 return cls(None, str(read["limit"])[:40], value)
+            if set(read) == {"teach"} and isinstance(name := read["teach"], str):
+                return cls(teach=name[:NAME_MOST])
         except (ValueError, TypeError, AttributeError) as error:
             raise InputError(f"{data[:80]!r} is nothing that the console's page can ask for.") from error
         raise InputError(f"{data[:80]!r} is nothing that the console's page can ask for.")
 
 
-__all__ = ["Ask", "Button", "Figure", "Flight", "Line", "Picture", "Snapshot", "newer"]
+__all__ = [
+    "NAME_MOST", "Ask", "Button", "Figure", "Flight", "Lesson", "Line", "Picture", "Snapshot", "newer",
+]  # fmt: skip
