@@ -78,7 +78,7 @@ def flight(seconds: float) -> Iterator[Flown]:
 
 
 def test_a_flight_is_seen_and_stopped_from_the_page() -> None:
-    with chromium() as browser, flight(120.0) as flown:
+    with chromium() as browser, flight(900.0) as flown:
         tab = Tab(browser, flown.url)
         began = flown.until(lambda turn: turn["mode"] == "executing")
         tab.until("executing")
@@ -118,7 +118,7 @@ def test_a_flight_is_seen_and_stopped_from_the_page() -> None:
 
 
 def test_limits_are_tightened_on_the_page_and_only_so() -> None:
-    with chromium() as browser, flight(120.0) as flown:
+    with chromium() as browser, flight(900.0) as flown:
         tab = Tab(browser, flown.url)
         flown.until(lambda turn: turn["mode"] == "executing")
         tab.until("executing")
