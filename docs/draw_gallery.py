@@ -1,11 +1,18 @@
-"""Draw the gallery's pictures anew: ``uv run python docs/draw_gallery.py`` (seeded)."""
+"""Draw the gallery's pictures anew: ``uv run python docs/draw_gallery.py`` (seeded).
+
+With a film, ``uv run python docs/draw_gallery.py out/demo.mp4`` (of ``wigwag demo --seed 1``), the moving
+picture of the first page alone is cut out of it.
+"""
 
 from __future__ import annotations
 
+import sys
 import tempfile
+from fractions import Fraction
 from itertools import islice
 from pathlib import Path
 
+import av
 import cv2
 import numpy as np
 
@@ -66,6 +73,24 @@ def draw_depth(frame: Frame) -> np.ndarray:
     return colours
 
 
+def cut_film(film: Path, out: Path, begin_s: float = 7.5, end_s: float = 35.0, rate_hz: int = 8) -> None:
+    """Write a part of a film as a moving picture, 640 pixels wide, that plays over and over."""
+    with av.open(str(film)) as source, av.open(str(out), "w", options={"loop": "0"}) as target:
+        stream = target.add_stream("libwebp_anim", rate=rate_hz, options={"quality": "45", "lossless": "0"})
+        stream.width, stream.height, stream.pix_fmt = 640, 320, "yuv420p"
+        stream.time_base, number = Fraction(1, rate_hz), 0
+        for frame in source.decode(video=0):
+            if frame.time is None or frame.time < begin_s + number / rate_hz:
+                continue
+            if frame.time > end_s:
+                break
+            small = frame.reformat(width=640, height=320, format="yuv420p", interpolation="AREA")
+            small.pts, small.time_base = number, stream.time_base
+            target.mux(stream.encode(small))
+            number += 1
+        target.mux(stream.encode())
+
+
 def first(clips: list[Clip], label: str, subject: str) -> Clip:
     """Return somebody's first clip of a gesture."""
     return next(clip for clip in clips if clip.label == label and clip.subject == subject)
@@ -95,4 +120,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    if sys.argv[1:]:
+        cut_film(Path(sys.argv[1]), OUT.parent / "demo.webp")
+    else:
+        main()

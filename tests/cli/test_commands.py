@@ -10,6 +10,8 @@ import inspect
 import os
 import re
 import shlex
+import shutil
+import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -139,3 +141,13 @@ def test_every_command_has_an_error_text(entry: Entry) -> None:
     assert covered, (
         f"add a line '$ wigwag {words_of(entry)} ...' of wrong use as a file in tests/cli/snapshots"
     )
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_completion_knows_every_command(shell: str, wigwag: Callable[..., tuple[int, str, str]]) -> None:
+    code, script, _ = wigwag("--tyro-print-completion", shell)
+    assert code == 0
+    assert all(word in script for entry in ENTRIES for word in entry.words)
+    if shell == "bash" and shutil.which("bash"):
+        checked = subprocess.run(["bash", "-n"], input=script, text=True, capture_output=True, check=False)
+        assert checked.returncode == 0, checked.stderr

@@ -80,6 +80,7 @@ def test_a_flight_is_told_about_and_mended(recording: Path, capsys: pytest.Captu
     figures = recording.with_name("info.json")
     assert run(["flight", "info", str(recording), "--json", str(figures)]) == 0
     (told,) = json.loads(figures.read_text())
+    assert told["flown_camera"] == "sketch:" and told["command"] == f"wigwag flight info {recording}"
     assert not told["whole"] and 0 < told["turns"] < 420 and told["duration_s"] < 14.0
     assert run(["flight", "info", str(recording), "--json", str(recording.parent)]) == 2
     assert "cannot be written" in capsys.readouterr().err

@@ -36,7 +36,7 @@ class Info:
         console = Console()
         with console.status("reading"):
             figures, facts = look_into(self.flight)
-        records.add(**figures, **facts)
+        records.add(**figures, **{f"flown_{name}": value for name, value in facts.items()})
         taught = "none" if figures["model_bytes"] is None else f"{figures['model_bytes'] / 1e6:.1f} MB"
         rows = {
             "turns": f"{figures['turns']} in {figures['duration_s']:.1f} s",
