@@ -109,6 +109,22 @@ def test_a_passer_by_is_never_handed_on_and_the_operator_is_again(
         assert 5 < hidden < 45
 
 
+@pytest.mark.parametrize(("clothes", "back"), [(BLUE, True), (RED, False)], ids=["other", "same"])
+def test_whoever_mingles_with_somebody_in_the_same_clothes_has_to_engage_again(
+    clothes: tuple[int, int, int], back: bool
+) -> None:
+    """Half an arm's length before the operator nothing but clothes tells them apart."""
+    up = raised((0.5, 1.8), (9.0, 10.5))
+    stage = Stage([operator_at(0.0, 4.0, up=up), Player(walks(3.55, 3.0), shirt=clothes)])
+    stage.play(3.0)
+    seen = handed(stage.play(8.5))
+    assert all(abs(x) < 0.05 and z == pytest.approx(4.0, abs=0.1) for _, x, z in seen)
+    assert bool([t for t, _, _ in seen if t > 6.0]) is back
+    if not back:
+        assert stage.estimate.why == "the operator was too close to somebody alike and has to engage again"
+        assert handed(stage.play(11.0))[0][0] == pytest.approx(10.05, abs=0.3)
+
+
 def bending(begin_s: float, end_s: float, depth_m: float = 0.3) -> Callable[[float], float]:
     return lambda t: depth_m * float(np.clip(min(t - begin_s, end_s - t) / 0.5, 0.0, 1.0))
 

@@ -110,13 +110,13 @@ class OperatorKeeper:
         self._absent_s = 0.0
         self._wary_ns: int | None = None
         self._before_m: tuple[float, int] | None = None
-        self._in_doubt = False
+        self._in_doubt = self._mingled = False
         self._lean_m = UPRIGHT_M
 
     @property
     def away(self) -> bool:
         """Whether the operator has to engage again to be believed."""
-        return self._absent_s > self.config.away_s
+        return self._mingled or self._absent_s > self.config.away_s
 
     def region(self, now_ns: int, intrinsics: Intrinsics) -> Region:
         """Return where in the picture to look for the operator now."""
@@ -147,6 +147,22 @@ class OperatorKeeper:
             self._absent_s += since_s
         if self._people.close_to(track, now):
             self._wary_ns = now
+        if cover.nearer >= config.hidden or track.age_s(now) > config.glitch_s:
+            self._mingled |= self._beside_a_double(track, now)
+
+    def _beside_a_double(self, track: Track, now_ns: int) -> bool:
+        """Say whether somebody known, in the operator's clothes, is where the operator should be.
+
+        If that is so while the operator is not seen, nobody can tell afterwards who is who.
+        """
+        coast_s = self._people.config.coast_s
+        expected_m = track.expected_m(now_ns, coast_s)
+        return any(
+            np.linalg.norm(other.expected_m(now_ns, coast_s) - expected_m) < _TOGETHER_M
+            and self._people.looks_like(track, other.appearance)
+            for other in self._people.tracks
+            if other is not track and other.looks > _KNOWN_LOOKS and other.age_s(now_ns) <= _LATELY_S
+        )
 
     def _learn_lean(self, cover: Cover, since_s: float, *, seen: bool) -> None:
         """Follow how far the operator's trunk leans to the camera, no faster than a body does.
@@ -271,6 +287,8 @@ class OperatorKeeper:
             return "nobody has engaged" if self._people.tracks else "nobody is seen"
         if self.cover.nearer >= self.config.hidden:
             return "somebody or something stands before the operator"
+        if self._mingled:
+            return "the operator was too close to somebody alike and has to engage again"
         if self.away:
             return "the operator went away and has to engage again"
         if self._trial:
@@ -280,6 +298,8 @@ class OperatorKeeper:
         return "the operator is not seen"
 
 
+_TOGETHER_M, _KNOWN_LOOKS = 0.5, 10
+"""People nearer to each other, of whom one is not seen and the other was looked at more often, mingle."""
 _LATELY_S, _KNOWN_S = 0.5, 0.8
 """Who was seen as somebody else so lately is not the operator, who is followed or has to be found again: of
 four people, each is looked at as often as the latter."""
