@@ -24,7 +24,8 @@ class WhyPanel:
 
     def __init__(self, gui: Any) -> None:
         self._gui = gui
-        self._folder: Any = gui.add_folder("Why", visible=False)
+        # Below everything else: what is pressed and set stays where it is when a gesture is heard.
+        self._folder: Any = gui.add_folder("Why", order=1e9, visible=False)
         self._choice: Any = None
         self._picture: Any = None
         self._whys: deque[Why] = deque(maxlen=KEPT_WHYS)
