@@ -7,7 +7,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from statistics import median
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from wigwag.camera.frame import Frame
 from wigwag.fly.operator import Mount
@@ -16,7 +16,21 @@ from wigwag.fly.values import Command, VehicleState
 from wigwag.pilot import Pilot, Step
 from wigwag.pose.estimator import Person, PoseEstimator
 from wigwag.skeleton import Pose
-from wigwag.view.console.values import Ask, Button, Figure, Flight, Lesson, Line, Picture, Snapshot
+from wigwag.view.console.values import (
+    KEPT_WHYS,
+    Ask,
+    Button,
+    Figure,
+    Flight,
+    Lesson,
+    Line,
+    Picture,
+    Snapshot,
+    Why,
+)
+
+if TYPE_CHECKING:
+    from wigwag.recognise.explain import Explanation
 
 SNAPSHOT_HZ = 12.0
 """How often a snapshot is made at most."""
@@ -37,6 +51,15 @@ class Showing(Protocol):
 
     def asks(self) -> list[Ask]:
         """Return what was asked for since the last call."""
+        ...
+
+
+@runtime_checkable
+class Explaining(Protocol):
+    """A listener that can say what its last word came from, such as ``Overhearing``."""
+
+    def explain(self) -> Explanation | None:
+        """Explain it; ``None``: that cannot be told."""
         ...
 
 
@@ -66,6 +89,8 @@ class Desk:
         self.lessons: deque[Ask] = deque(maxlen=8)
         """What was asked for of lessons, for whoever gives them to take."""
         self._lines: deque[Line] = deque(maxlen=_KEPT_LINES)
+        self._whys: deque[Why] = deque(maxlen=KEPT_WHYS)
+        """What was heard and not handed over yet."""
         self._turns: deque[int] = deque(maxlen=60)
         self._timings: deque[tuple[float, float]] = deque(maxlen=60)
         self._situation: Situation | None = None
@@ -160,10 +185,25 @@ class Desk:
             name = "not a gesture I know" if gesture.label is None else gesture.label.replace("_", " ")
             sure = f" {gesture.confidence:.0%}" if gesture.label is not None else f" ({gesture.reason})"
             self._lines.append(Line(at_s, name + sure, "gesture" if gesture.label is not None else ""))
+            if gesture.label is not None:
+                self._explain(at_s)
         if verdict.row:
             self._lines.append(Line(at_s, f"{verdict.row}: {verdict.mode.replace('_', ' ')}", "mode"))
         if verdict.reason:
             self._lines.append(Line(at_s, verdict.reason, "alarm"))
+
+    def _explain(self, at_s: float) -> None:
+        """Take down why it was heard, if the listener can tell; after the turn has sent what it asks for."""
+        listener: object = None if self.pilot is None else self.pilot.spotter
+        if not isinstance(listener, Explaining):
+            return
+        try:
+            explained = listener.explain()
+        except Exception as error:  # of whatever kind: nobody stops flying for want of an explanation
+            self._lines.append(Line(at_s, f"cannot be explained: {error}", "alarm"))
+            return
+        if explained is not None:
+            self._whys.append(Why.of(at_s, explained))
 
     def _complain(self, trouble: str, now_ns: int) -> None:
         if trouble != self._trouble and trouble:
@@ -211,7 +251,9 @@ class Desk:
             rest_ms,
             tuple(self._lines),
             lesson,
+            tuple(self._whys),
         )
+        self._whys.clear()
         self._count += 1
         self.console.show(snapshot)
 

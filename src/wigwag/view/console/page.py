@@ -16,6 +16,7 @@ from wigwag.view.console.scene import Scene
 from wigwag.view.console.teaching import TeachingPanel
 from wigwag.view.console.text import line_html
 from wigwag.view.console.values import Ask, Button, Flight, Line, Picture, Snapshot
+from wigwag.view.console.why import WhyPanel
 from wigwag.view.draw import draw_body, draw_skeleton
 
 if TYPE_CHECKING:
@@ -54,6 +55,7 @@ class Page:
                 self._add_button(button, label, color, hint)
         self._picture = gui.add_html("")
         self._events = gui.add_html("")
+        self._why = WhyPanel(gui) if config.flies else None
         self._sliders: dict[str, Any] = {}
         self._set: dict[str, float] = {}
         """What each slider last was set to by us: where it stands otherwise, somebody has moved it."""
@@ -71,6 +73,8 @@ class Page:
             if snapshot.lines != self._lines:
                 self._lines = snapshot.lines
                 self._events.content = events_html(snapshot.lines)
+            if self._why is not None:
+                self._why.show(snapshot.whys)
             if snapshot.flight is not None:
                 self._dials(snapshot.flight)
             if snapshot.picture is not None:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import math
+import pickle
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float, UInt8
@@ -16,6 +18,12 @@ from wigwag.fly.limits import SupervisorConfig
 from wigwag.fly.operator import Mount
 from wigwag.fly.situation import Craft, Mode
 from wigwag.fly.values import VehicleState
+
+if TYPE_CHECKING:
+    from wigwag.recognise.explain import Explanation
+
+KEPT_WHYS = 5
+"""How many of the last decisions can be looked into."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +110,39 @@ class Lesson:
 
 
 @dataclass(frozen=True, slots=True)
+class Why:
+    """What a gesture that was heard came from."""
+
+    at_s: float
+    """On the clock of the stamps."""
+    label: str
+    packed: bytes
+    """The explanation. Whoever unpacks it needs the recogniser's code, which takes a second to be imported:
+    the page's process does so where it draws, and not where it reads."""
+
+    @classmethod
+    def of(cls, at_s: float, explained: Explanation) -> Why:
+        """Pack an explanation."""
+        return cls(at_s, explained.gesture.label or "no gesture", pickle.dumps(explained))
+
+    @property
+    def at(self) -> str:
+        """When it was."""
+        return f"{self.at_s:.1f} s"
+
+    @property
+    def title(self) -> str:
+        """What it is called among others."""
+        return f"{self.at}: {self.label.replace('_', ' ')}"
+
+    @property
+    def explained(self) -> Explanation:
+        """The explanation; it comes from this program's own loop."""
+        unpacked: Explanation = pickle.loads(self.packed)
+        return unpacked
+
+
+@dataclass(frozen=True, slots=True)
 class Snapshot:
     """All that the page shows, at one moment: each one is complete, and any may be left out."""
 
@@ -126,13 +167,20 @@ class Snapshot:
     lines: tuple[Line, ...]
     """The last events, the newest last; whoever missed a snapshot has missed none of them."""
     lesson: Lesson | None = None
+    whys: tuple[Why, ...] = ()
+    """What was heard since the last snapshot; the newest last."""
 
 
 def newer(missed: Snapshot, snapshot: Snapshot) -> Snapshot:
-    """Return the later of two snapshots, with the picture of the one that was missed if it has none."""
-    if snapshot.picture is not None or missed.picture is None:
+    """Return the later of two snapshots, with what was only in the one that was missed.
+
+    That is its picture, if the later one has none, and what was heard.
+    """
+    picture = missed.picture if snapshot.picture is None else snapshot.picture
+    whys = (*missed.whys, *snapshot.whys)[-KEPT_WHYS:]
+    if picture is snapshot.picture and whys == snapshot.whys:
         return snapshot
-    return replace(snapshot, picture=missed.picture)
+    return replace(snapshot, picture=picture, whys=whys)
 
 
 class Button(StrEnum):
@@ -205,5 +253,6 @@ class Ask:
 
 
 __all__ = [
-    "NAME_MOST", "Ask", "Button", "Figure", "Flight", "Lesson", "Line", "Picture", "Snapshot", "newer",
+    "KEPT_WHYS", "NAME_MOST", "Ask", "Button", "Figure", "Flight", "Lesson", "Line", "Picture", "Snapshot",
+    "Why", "newer",
 ]  # fmt: skip
