@@ -88,6 +88,7 @@ class PrefixModel:
         self.names = [clip.name for clip in clips]
         self.typical = np.ones(len(self.labels))
         self.limits = np.full(len(self.labels), np.inf)
+        self.doubts = np.zeros(len(self.labels))
         self.weights = np.zeros((0, len(self.labels) + 2), dtype=np.float32)
 
     def sides(self, clip: Clip) -> Sides:
@@ -151,6 +152,7 @@ class PrefixModel:
             "numbers": self.numbers,
             "typical": self.typical,
             "limits": self.limits,
+            "doubts": self.doubts,
         }
         return own | self.similar.arrays()
 
@@ -161,6 +163,7 @@ class PrefixModel:
         self.labels, self.names = tuple(facts["labels"]), list(facts["names"])
         self.weights, self.numbers = arrays["weights"], arrays["numbers"]
         self.typical, self.limits = arrays["typical"], arrays["limits"]
+        self.doubts = arrays.get("doubts", np.zeros(len(self.labels)))  # files of before had none
         self.similar.restore(arrays)
         return self
 
