@@ -213,12 +213,15 @@ def test_a_hold_that_is_denied_is_told_and_asked_for_again():
     flight = steered(FakePx4(), AHEAD)
     flight.fake.faults.deny.add(SET_MODE)
     assert flight.vehicle.hold()
-    flight.turns(1.0)
-    assert "denied" in flight.vehicle.state.denied
+    flight.turns(0.3)
+    for _ in range(30):  # it is asked again and again, and what was refused stays said meanwhile
+        flight.turn()
+        assert "denied" in flight.vehicle.state.denied
     assert flight.speed_m_s < 0.1  # it stands still meanwhile
     flight.fake.faults.deny.clear()
     assert flight.vehicle.hold()
     flight.until(FlightMode.HOLDING, 1.0)
+    assert flight.vehicle.state.denied == ""
 
 
 def test_a_position_that_freezes_grows_old_though_messages_go_on(fake):
