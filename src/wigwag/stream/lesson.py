@@ -77,7 +77,8 @@ class Lesson:
     def learn(self, config: StreamConfig) -> StreamModel:
         """Teach everything."""
         owners = self._refer()
-        self.untaught = Untaught(self.model.labels, config.commands, np.random.default_rng(self.seed))
+        commands = config.commands if config.strange else None
+        self.untaught = Untaught(self.model.labels, commands, np.random.default_rng(self.seed))
         looked: list[list[Looked]] = [[] for _ in self.streams]
         judged: list[int] = []
         for number in self._order(config):

@@ -16,8 +16,8 @@ from wigwag.stream.sureness import doubted
 from wigwag.stream.truth import Showing
 from wigwag.stream.watcher import Hypothesis
 
-_GOING_ON = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.93, 0.95, 0.97, 0.98, 0.985, 0.99, 0.995)
-_AT_REST = (0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99)
+_GOING_ON = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.93, 0.95, 0.97, 0.98, 0.985, 0.99, 0.995)
+_AT_REST = (0.3, 0.4, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99)
 _LEAST = min(*_GOING_ON, *_AT_REST)
 _EARLY = 0.02
 """How much better or worse thresholds may be for deciding everything before its end, or nothing."""

@@ -81,8 +81,8 @@ def teach_spotter(lesson: Lesson) -> Listener:
     return Only(lambda: Spotter(recogniser, config), lesson.vocabulary)
 
 
-def teach_gesture_stream(lesson: Lesson) -> Listener:
-    """Teach a :class:`~wigwag.stream.gesture_stream.GestureStream` with its defaults.
+def teach_gesture_stream(lesson: Lesson, *, strange: bool = False) -> Listener:
+    """Teach a :class:`~wigwag.stream.gesture_stream.GestureStream` with its defaults, or ``strange``.
 
     Recordings are cut to their movement; further gestures are known by name and kept silent. Where action
     points are all that is known, a :class:`~wigwag.stream.moments.MomentStream` is taught.
@@ -94,13 +94,18 @@ def teach_gesture_stream(lesson: Lesson) -> Listener:
     clips = [cut_to_movement(clip) for clip in (*lesson.gestures, *lesson.others)]
     streams = [LabelledStream(r.stream, tuple(_showing(mark) for mark in r.marks)) for r in lesson.streams]
     background = [_movable(clip) for clip in lesson.background]
-    config = StreamConfig(commands=lesson.vocabulary)
+    config = StreamConfig(commands=lesson.vocabulary, strange=strange)
     return teach_stream(clips, background, streams, config, random_state=lesson.seed).stream()
 
 
 def teach_beside_deliberate(lesson: Lesson) -> Listener:
     """Teach the same, and as no command also what other people gesture deliberately."""
     return teach_gesture_stream(replace(lesson, background=lesson.background + lesson.deliberate))
+
+
+def teach_doubting(lesson: Lesson) -> Listener:
+    """Teach the same as :func:`teach_gesture_stream`, and doubt of gestures that nobody taught."""
+    return teach_gesture_stream(lesson, strange=True)
 
 
 def _showing(mark: Mark) -> Showing:
@@ -120,6 +125,7 @@ def _movable(clip: Clip) -> Clip:
 SYSTEMS: dict[str, Callable[[Lesson], Listener]] = {
     "stream": teach_gesture_stream,
     "stream+msrc12": teach_beside_deliberate,
+    "stream+strange": teach_doubting,
     "spotter": teach_spotter,
 }
 """Every system by its name: from a lesson to a listener."""
