@@ -25,7 +25,7 @@ def test_after_a_gesture_the_page_says_why(tmp_path: Path) -> None:
     except ModelError as error:
         pytest.skip(f"the pose networks are not here: {error}")
     KernelStudent(model()).copy().save(tmp_path / "m.wigwag")
-    camera = "sim:?perform=orbit&person=11&times=6&pause_s=2.5&rate_hz=20"
+    camera = "sim:?perform=orbit&person=11&times=2&pause_s=30&rate_hz=20"
     words = ("console", "--camera", camera, "--vehicle", "sim:", "--engage", "first", "--model", "m.wigwag")
     words += ("--commands", "left=stop", "land=land", "orbit=take_off")
     with chromium() as browser, serving(tmp_path, *words) as (process, url):

@@ -11,6 +11,8 @@ from wigwag.view.console.values import NAME_MOST, Ask, Button, Lesson
 
 _SHOWN_LINES = 5
 _MOST_DOTS = 12
+_SHORT = 6
+"""Characters of what is written very large: the countdown, and that it is time."""
 
 
 class TeachingPanel:
@@ -58,6 +60,7 @@ def lesson_html(lesson: Lesson) -> str:
         (True, True)
     """
     color = "#5fd39a" if lesson.headline == "now!" else "#e6edf3"
+    size = 4.5 if len(lesson.headline) <= _SHORT else 1.7  # to be read from where the camera sees the feet
     count = ""
     if lesson.gesture:
         dots = "&#9679;" * lesson.taken + "&#9675;" * max(lesson.wanted - lesson.taken, 0)
@@ -71,8 +74,9 @@ def lesson_html(lesson: Lesson) -> str:
     known = f'<div style="opacity:.6">knows: {escape(", ".join(lesson.known))}</div>' if lesson.known else ""
     return (
         f'<div style="padding:.4em .8em;font-size:.85em">{count}'
-        f'<div style="font-size:1.9em;font-weight:700;line-height:1.3;color:{color}">'
-        f'{escape(lesson.headline)}</div><div style="min-height:2.6em">{advice}</div>'
+        f'<div style="height:5.6rem;display:flex;align-items:center;font-size:{size}rem;font-weight:700;'
+        f'line-height:1.15;color:{color}">{escape(lesson.headline)}</div>'
+        f'<div style="min-height:3.2em;font-size:1.2em">{advice}</div>'
         f'<div style="height:9.5em;overflow-y:auto">{said}</div>{known}</div>'
     )
 
