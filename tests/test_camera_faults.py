@@ -27,7 +27,7 @@ class Chain:
 
     def __init__(self) -> None:
         person = Person.random(4)
-        operator = Operator(person, Script((), (), (), 60.0), position_m=(5.2, 0.3), seed=4)
+        operator = Operator(person, Script((), (), (), 60.0), position_m=(5.8, 0.3), seed=4)
         self.world = World(WorldConfig(), 4, operator)
         try:
             pose = PoseEstimator(PoseConfig.alone())

@@ -28,6 +28,7 @@ from wigwag.vehicles.protocol import AIRBORNE, FlightMode, Vehicle
 
 if TYPE_CHECKING:
     from wigwag.stream.gesture_stream import StreamModel
+    from wigwag.stream.moments import MomentModel
 
 
 class PoseSource(Protocol):
@@ -137,7 +138,7 @@ class Pilot:
     def __init__(
         self,
         pose: PoseSource,
-        recogniser: StreamModel | Recogniser,
+        recogniser: StreamModel | MomentModel | Recogniser,
         vehicle: Vehicle,
         *,
         commands: Mapping[str, Command] | None = None,

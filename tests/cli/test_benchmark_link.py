@@ -13,6 +13,7 @@ def test_records_and_table(tmp_path, capsys):
     assert 29 < row["rate_hz"] < 31
     assert 0 <= row["jitter_p50_ms"] <= row["jitter_p99_ms"] <= row["jitter_max_ms"]
     assert 0 <= row["decision_p50_ms"] < 40
+    assert 0 <= row["machine_p99_ms"] <= row["machine_max_ms"]
     assert row["command"] == f"wigwag benchmark link --seconds 4.0 --no-pose --json {file}"
     assert "Set-points over UDP" in capsys.readouterr().out
 

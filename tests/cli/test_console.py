@@ -20,7 +20,7 @@ from wigwag.view.console.values import Ask, Button
 from wigwag.view.onlookers import Onlookers
 
 
-@pytest.mark.parametrize("command", ["console", "demo", "fly", "watch"])
+@pytest.mark.parametrize("command", ["console", "demo", "fly", "teach", "watch"])
 def test_every_command_that_runs_the_chain_can_be_looked_at(
     command: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

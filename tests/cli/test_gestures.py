@@ -173,7 +173,7 @@ def test_a_model_that_fails_says_which_clips_and_leaves_with_1(folders, taught, 
             "error: --commands takes LABEL=COMMAND, but got 'goalpost'. Commands: take_off, land, stop, "
             "left, right, up, down, closer, farther, orbit.",
         ),
-        (["teach", "--gesture", " "], "error: --gesture and --subject need a name each."),
+        (["teach", "--gesture", " "], "error: A gesture needs a name."),
         (
             ["teach", "--gesture", "x", "--repetitions", "0"],
             "error: A lesson needs 1 repetition or more, but got 0.",

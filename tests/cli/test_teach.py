@@ -72,3 +72,21 @@ def test_a_recording_that_is_over_too_soon_is_said_and_nothing_is_lost(
     assert f"{camera}: ended after 2 of 3 repetitions." in capsys.readouterr().out
     assert len(load_folder("clips").clips) == 2
     assert (tmp_path / "m.wigwag").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ([], "--gesture needs a name; only with --console it may be left out"),
+        (["--gesture", "x" * 41], "has 1 to 40 printable characters"),
+        (["--gesture", ".."], "gives no file name"),
+        (["--gesture", "mine", "--subject", " "], "--subject needs a name"),
+        (
+            ["--gesture", "mine", "--console-token", "a-long-secret"],
+            "--console-token is for --console",
+        ),
+    ],
+)
+def test_wrong_input_is_said(words, says, capsys):
+    assert run(["teach", "--camera", "sim:", *words]) == 2
+    assert says in " ".join(capsys.readouterr().err.split())

@@ -108,3 +108,41 @@ def test_engines_and_chain_with_gaps_where_nothing_was_measured(tmp_path: Path) 
     text = page.read_text("utf-8")
     assert "| full | track | photos | litert | 279 of 280 | 9.3 | 10.1 | 1.00 |  |" in text
     assert "| memory of a process | <= 350 MB |  |  |  |  | 267.4 |" in text
+
+
+def test_passers_by_are_summed_over_distances(tmp_path: Path) -> None:
+    page, records = tmp_path / "perception.md", tmp_path / "operator.json"
+    page.write_text(f"{BEGIN}\n{END}\n", "utf-8")
+    row = {
+        "condition": "dark", "distance_m": 4.0, "crossings": 5, "kept": 5, "frames": 900,
+        "frames_visible": 800, "frames_operator_pct": 100.0, "frames_of_passerby": 0,
+        "reacquired_s_max": 0.3,
+    }  # fmt: skip
+    far = row | {"distance_m": 8.0, "kept": 4, "frames_visible": 200, "frames_operator_pct": 50.0}
+    other = row | {"condition": "dusk", "reacquired_s_max": None, "frames_of_passerby": 2}
+    records.write_text(json.dumps([row, far, other]))
+    fill(page, {"operator": [records]})
+    text = page.read_text("utf-8")
+    assert "| condition | kept, 4 m | kept, 8 m |" in text
+    assert "| dark | 5 of 5 | 4 of 5 | 90.0 | 0.30 | 0 | 1800 |" in text
+    assert "| dusk | 5 of 5 |  | 100.0 |  | 2 | 900 |" in text
+    assert "| **all** | 10 of 10 | 4 of 5 | 94.4 | 0.30 | 2 | 2700 |" in text
+
+
+def test_smoothing_and_people_without_depth_have_tables(tmp_path: Path) -> None:
+    page, smooth, monocular = (tmp_path / name for name in ("p.md", "s.json", "m.json"))
+    page.write_text(f"{BEGIN}\n{END}\n", "utf-8")
+    spread = {
+        f"{n}_{part}": v for n, v in (("lag_ms", 3.0), ("overshoot", 0.01)) for part in ("median", "p95")
+    }
+    errors = {"rms_mm": 20.0, "rest_rms_mm": 15.0, "rest_jitter_mm": 3.0, "heel_rms_mm": 40.0}
+    record = spread | errors | {"filter": "none", "rate_hz": 30.0, "lag_ms_max": 9.0, "overshoot_max": 0.02}
+    smooth.write_text(json.dumps([record]))
+    monocular.write_text(json.dumps([{
+        "distance_m": 4.0, "way": "stature stated", "found": 0.995, "distance_error_median": 0.021,
+        "distance_error_p95": 0.07, "landmark_mm_median": 61.2, "within_1_sigma": 0.7, "within_2_sigma": 0.96,
+    }]))  # fmt: skip
+    fill(page, {"smooth": [smooth], "monocular": [monocular]})
+    text = page.read_text("utf-8")
+    assert "| none | 30 | 3.0 / 3.0 / 9.0 | 1.0 / 1.0 / 2.0 | 20.0 | 15.0 | 3.0 | 40.0 |" in text
+    assert "| 4 | stature stated | 99.5 | 2.1 / 7.0 | 61 | 70 | 96 |" in text

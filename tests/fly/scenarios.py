@@ -209,8 +209,10 @@ def unseen_or_far_away_nobody_moves_it(rules: Rules) -> None:
 @scenario
 def without_a_fresh_state_or_link_nobody_moves_it(rules: Rules) -> None:
     scene = flying(rules, mode=Mode.HOLDING)
+    assert scene.sent[-1] == Setpoint((0.0, 0.0, 0.0), WISH.yaw_rate_rad_s), "it turns to the operator"
     scene.stick("state_ns")
     scene.turns(1.0)
+    assert scene.sent[-1] is None, "by an old heading it does not even turn"
     assert "state is old" in scene.turn(Command.LEFT).reason
     assert scene.mode is Mode.HOLDING
     scene.free("state_ns")

@@ -107,7 +107,7 @@ def test_sideways_is_the_operators_own_side_and_ends(command: Command, side: int
 @pytest.mark.parametrize(
     ("command", "farther_m", "higher_m"),
     [
-        (Command.UP, 0.0, 0.3), (Command.DOWN, 0.0, -0.3),
+        (Command.UP, 0.0, 0.4), (Command.DOWN, 0.0, -0.4),
         (Command.CLOSER, -0.6, 0.0), (Command.FARTHER, 0.6, 0.0),
     ],
 )  # fmt: skip

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from tests.fly.scenarios import SCENARIOS, Scenario
@@ -10,7 +12,7 @@ from wigwag.errors import InputError
 from wigwag.fly.limits import SupervisorConfig
 from wigwag.fly.situation import Craft, Memory, Mode, Situation, age_s
 from wigwag.fly.supervisor import RULES, Supervisor, decide
-from wigwag.fly.values import Command
+from wigwag.fly.values import HOVER, Command, Setpoint
 
 
 @pytest.mark.parametrize("play", SCENARIOS, ids=lambda play: play.__name__)
@@ -18,6 +20,7 @@ def test_scenario(play: Scenario) -> None:
     play(RULES)
 
 
+LIMITS = SupervisorConfig()
 RULE_NAMES = [
     *(row.name for row in RULES.table),
     *(watch.__name__ for watch in RULES.watches.values()),
@@ -63,6 +66,39 @@ def test_a_taken_over_vehicle_with_nobody_in_view_hovers() -> None:
     scene.known["distance_m"] = None
     scene.ages["pose_ns"] = None
     assert scene.turn().mode is Mode.LOST_PERSON
+
+
+@pytest.mark.parametrize("nothing", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("mode", [Mode.FOLLOWING, Mode.EXECUTING, Mode.LOST_PERSON, Mode.HOLDING])
+def test_what_is_no_number_is_not_known(mode: Mode, nothing: float) -> None:
+    """A guard that compares with NaN lets everything pass: the fence, the floor, the minimum distance."""
+    for name, value in (
+        ("position_m", (nothing, 0.0, 1.5)),
+        ("position_m", (0.0, 0.0, nothing)),
+        ("heading_rad", nothing),
+    ):
+        scene = flying(mode=mode)
+        scene.free("pose_ns")
+        scene.known[name] = value
+        scene.turns(0.1)
+        assert scene.mode is Mode.HOLDING and not any(move(sent) for sent in scene.sent[-3:])
+        scene.turns(LIMITS.land_without_state_s + 0.2)
+        assert scene.mode is Mode.EMERGENCY
+    for name in ("distance_m", "bearing_rad"):
+        scene = flying(mode=mode)
+        scene.free("pose_ns")
+        scene.known[name] = nothing
+        scene.turns(0.1)
+        assert scene.mode is (Mode.HOLDING if mode is Mode.HOLDING else Mode.LOST_PERSON)
+        assert not any(move(sent) for sent in scene.sent[-3:])
+    scene = flying(mode=mode)
+    scene.known["battery"] = nothing
+    scene.turns(0.1)
+    assert scene.mode in (mode, Mode.FOLLOWING)
+
+
+def move(sent: Setpoint | None) -> bool:
+    return sent is not None and sent != HOVER
 
 
 def test_reasons_are_said() -> None:

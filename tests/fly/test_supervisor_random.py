@@ -39,7 +39,7 @@ class Weather:
     """Turns everything that may go wrong on and off, at random."""
 
     def __init__(self, seed: int) -> None:
-        self.rng = np.random.default_rng(seed)
+        self.rng, self.nonsense = np.random.default_rng(seed), np.random.default_rng([seed, 1])
         self.scene = Scene(config=SupervisorConfig(fence=FENCES[seed % 2]))
         self.at = np.array([0.0, 0.0, 1.5])
 
@@ -88,13 +88,19 @@ class Weather:
         if self.happens(900):
             self.at = np.array([0.0, 0.0, 1.5])
         distance = scene.known["distance_m"]
-        distance = 4.0 if distance is None else abs(distance + rng.normal(0.0, 0.1))
+        distance = (
+            4.0 if distance is None or not math.isfinite(distance) else abs(distance + rng.normal(0.0, 0.1))
+        )
         scene.known.update(
             position_m=(float(self.at[0]), float(self.at[1]), float(self.at[2])),
             heading_rad=float(rng.uniform(-math.pi, math.pi)),
             bearing_rad=float(rng.normal(0.0, 0.3)),
             distance_m=None if self.happens(300) else min(distance, 12.0),
         )
+        if self.nonsense.random() < 1 / 2000:
+            name = str(self.nonsense.choice(["heading_rad", "bearing_rad", "distance_m", "position_m"]))
+            value = float(self.nonsense.choice([math.nan, math.inf]))
+            scene.known[name] = (0.0, value, 1.0) if name == "position_m" else value
 
     def wish(self) -> Setpoint:
         values = self.rng.normal(0.0, 2.0, 4)
@@ -161,6 +167,10 @@ def check(setpoint: Setpoint, scene: Scene, limits: SupervisorConfig) -> None:
     assert abs(up) <= limits.max_climb_m_s + 1e-9
     assert abs(setpoint.yaw_rate_rad_s) <= limits.max_yaw_rate_rad_s
     known = scene.known
+    told = (*known["position_m"], known["heading_rad"], known["bearing_rad"], known["distance_m"] or 0.0)
+    if not all(map(math.isfinite, told)):
+        assert (forward, left, up) == (0.0, 0.0, 0.0), "by what is no number nothing moves"
+        return
     if known["distance_m"] is not None and setpoint.velocity_m_s != (0.0, 0.0, 0.0):
         ahead = forward * math.cos(known["bearing_rad"]) + left * math.sin(known["bearing_rad"])
         assert ahead <= max(0.8 * (known["distance_m"] - limits.min_distance_m), 0.0) + 1e-9

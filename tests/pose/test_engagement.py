@@ -35,6 +35,8 @@ def show(
     rate_hz: float = 30.0,
     begin_s: float = 0.0,
     at: tuple[float, float, float] = (0.3, 0.1, 4.0),
+    *,
+    unclear: Sequence[int] = (),
 ) -> list[tuple[float, Signal]]:
     """Feed bodies at a rate, none where there is none; return what was said when, seconds."""
     said = []
@@ -42,7 +44,8 @@ def show(
         t = begin_s + k / rate_hz
         if body is None:
             continue
-        signal = engagement.update(Pose(body + at, np.ones(13), round(t * 1e9)))
+        seen = np.full(13, 0.5 if k in unclear else 1.0)
+        signal = engagement.update(Pose(body + at, seen, round(t * 1e9)))
         if signal is not None:
             said.append((t, signal))
     return said
@@ -116,6 +119,18 @@ def test_the_network_may_err_for_a_moment_but_not_for_longer() -> None:
     assert show(Engagement(), up * 15 + down * 4 + up * 30)[0][0] < 1.2
     late = show(Engagement(), up * 15 + down * 10 + up * 60)
     assert late and late[0][0] > 25 / 30 + 1.0 - 1e-6
+
+
+def test_wrists_that_are_hardly_seen_say_nothing_against_a_posture() -> None:
+    """In dusk an arm is lost for some frames in a row: as rendered, every other one of them unclear."""
+    bodies = [raised(LEFT)] * 15 + [STANDING] * 8 + [raised(LEFT)] * 60
+    said = show(Engagement(), bodies, unclear=[15, 17, 19, 21])
+    assert said and said[0][0] < 1.2
+    late = show(Engagement(), bodies)
+    assert late and late[0][0] > 23 / 30 + 1.0 - 1e-6, "seen clearly down, it has to be held anew"
+    lost = [raised(LEFT)] * 15 + [STANDING] * 18 + [raised(LEFT)] * 45
+    said = show(Engagement(), lost, unclear=range(15, 33))
+    assert said[0][0] > 33 / 30 + 1.0 - 1e-6, "nor does half a second without evidence go on"
 
 
 def test_after_a_gap_a_posture_must_be_held_anew() -> None:

@@ -15,6 +15,7 @@ from wigwag.pose.estimator import PoseConfig, PoseEstimator
 from wigwag.pose.lift import LiftConfig
 from wigwag.pose.operator import OperatorConfig
 from wigwag.pose.sides import other_side
+from wigwag.pose.steady import SteadyConfig
 from wigwag.skeleton import Landmark, Pose
 
 CAMERA = Intrinsics()
@@ -181,7 +182,8 @@ def test_feet_that_are_not_seen_hardly_move_and_still_go_where_the_body_goes() -
         points[unseen] += random.normal(0, 15, (2, 2))
         visibility[unseen] = 0.05
         bodies.append(replace(body, points_px=points, visibility=visibility))
-    estimate, raw = estimator(*bodies), estimator(*bodies, trusted=(-2.0, -1.0))
+    trusting = SteadyConfig(smooth="never", trusted=(-2.0, -1.0))
+    estimate, raw = estimator(*bodies), estimator(*bodies, steady=trusting)
     steadied, measured = [], []
     for k in range(60):
         for seen, into in ((estimate, steadied), (raw, measured)):

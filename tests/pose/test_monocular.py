@@ -15,7 +15,6 @@ from wigwag.errors import InputError
 from wigwag.pose.blazepose import BlazePose
 from wigwag.pose.body import Body, Point
 from wigwag.pose.estimator import PoseConfig, PoseEstimator
-from wigwag.pose.filter import PoseFilter
 from wigwag.pose.monocular import NETWORK_STATURE_M, MonocularConfig, MonocularPlacer, Placed, towards
 from wigwag.pose.space import InSpace
 from wigwag.sim.camera import SimulatedCameraConfig, SimulatedSource
@@ -259,14 +258,14 @@ def test_simulated_people_stand_where_they_stand(blazepose: BlazePose, distance_
     whether two deviations hold 95 %.
     """
     stature = MonocularConfig(stature_m=Person.random(4).height_m)
-    estimate, smooth = PoseEstimator(alone(stature), blazepose), PoseFilter()
+    estimate = PoseEstimator(alone(stature), blazepose)
     found, true = [], []
     source = SimulatedSource(SimulatedCameraConfig(seed=4, distance_m=distance_m, duration_s=2.0))
     with Playback(source) as camera:
         for picture in camera:
             pose = estimate(replace(picture, depth_mm=None))
             if pose is not None and source.world is not None:
-                found.append(smooth(pose))
+                found.append(pose)
                 true.append(source.world.truth.hip_center_camera_m)
     assert len(found) >= 55
     off = np.array([p.hip_center[2] - t[2] for p, t in zip(found, true, strict=True)])

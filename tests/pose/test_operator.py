@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from wigwag.errors import InputError
+from wigwag.pose.landmarker import Sighting
 from wigwag.pose.operator import OperatorConfig
+from wigwag.pose.region import Region
 
-from .staged import BLUE, GREEN, RED, Player, Stage, engaging, handed, raised, still, walks
+from .staged import BLUE, GREEN, RED, Player, Stage, engaging, handed, raised, region_of, still, walks
 
 
 def operator_at(x_m: float, z_m: float, **changes: object) -> Player:
@@ -106,6 +109,22 @@ def test_a_passer_by_is_never_handed_on_and_the_operator_is_again(
         assert 5 < hidden < 45
 
 
+@pytest.mark.parametrize(("clothes", "back"), [(BLUE, True), (RED, False)], ids=["other", "same"])
+def test_whoever_mingles_with_somebody_in_the_same_clothes_has_to_engage_again(
+    clothes: tuple[int, int, int], back: bool
+) -> None:
+    """Half an arm's length before the operator nothing but clothes tells them apart."""
+    up = raised((0.5, 1.8), (9.0, 10.5))
+    stage = Stage([operator_at(0.0, 4.0, up=up), Player(walks(3.55, 3.0), shirt=clothes)])
+    stage.play(3.0)
+    seen = handed(stage.play(8.5))
+    assert all(abs(x) < 0.05 and z == pytest.approx(4.0, abs=0.1) for _, x, z in seen)
+    assert bool([t for t, _, _ in seen if t > 6.0]) is back
+    if not back:
+        assert stage.estimate.why == "the operator was too close to somebody alike and has to engage again"
+        assert handed(stage.play(11.0))[0][0] == pytest.approx(10.05, abs=0.3)
+
+
 def bending(begin_s: float, end_s: float, depth_m: float = 0.3) -> Callable[[float], float]:
     return lambda t: depth_m * float(np.clip(min(t - begin_s, end_s - t) / 0.5, 0.0, 1.0))
 
@@ -168,6 +187,20 @@ def test_the_operator_may_walk_while_crossed() -> None:
     assert len(seen) > 100
 
 
+@pytest.mark.parametrize("step_m", [0.8, -0.2], ids=["back", "forward"])
+def test_who_steps_back_while_hidden_is_known_again(step_m: float) -> None:
+    """Farther from who hid them than they were, they can't be mistaken for that one."""
+
+    def steps(t_s: float) -> tuple[float, float]:
+        return 0.0, 4.0 + step_m * float(np.clip((t_s - 4.4) / 0.4, 0.0, 1.0))
+
+    stage = Stage([Player(steps, up=engaging()), Player(walks(3.0, 3.0), shirt=RED)])
+    stage.play(3.0)
+    seen = handed(stage.play(8.0))
+    assert all(abs(x) < 0.05 for _, x, _ in seen)
+    assert len([t for t, _, _ in seen if t > 5.6]) == pytest.approx(72, abs=3)
+
+
 def gone_from(t_s: float, back_s: float, x_m: float = 0.0):  # type: ignore[no-untyped-def]
     """Stand, walk out to the right at t_s, and be back at the place at back_s."""
 
@@ -193,6 +226,16 @@ def test_who_stands_where_the_operator_stood_is_not_the_operator(clothes: tuple[
     seen = handed(stage.play(20.0))
     assert all(x > -0.1 for _, x, _ in seen)
     assert not [t for t, _, _ in seen if t > 5.5]
+
+
+@pytest.mark.parametrize("apart_m", [1.0, 1.7, 2.0])
+def test_whoever_is_known_as_somebody_else_does_not_follow_an_operator_who_is_gone(apart_m: float) -> None:
+    """In the same clothes, at the same distance, beside: only who they were tells them apart."""
+    operator = Player(lambda t: (1.5, 4.0) if t < 3.0 else None, up=engaging())
+    stage = Stage([operator, Player(still(1.5 - apart_m, 4.0), shirt=RED)])
+    stage.play(3.0)
+    assert not handed(stage.play(9.0))
+    assert len(stage.estimate.people) == 2
 
 
 def test_until_the_operator_is_released_nobody_who_looks_different_is_let_in() -> None:
@@ -227,6 +270,32 @@ def test_a_moment_unseen_is_forgiven() -> None:
     stage.play(4.8)
     stage.blind = False
     assert 15 < len(handed(stage.play(5.8))) < 29, "a longer gap takes a few frames to be sure"
+
+
+class Crooked(Stage):
+    """Eyes that see somebody off the middle of where they look too low and too large, as the network does."""
+
+    def follow(self, rgb: np.ndarray, region: Region) -> Sighting | None:
+        sighting = super().follow(rgb, region)
+        if sighting is None:
+            return None
+        points = sighting.body.points_px
+        if np.hypot(*(sighting.body.hip_center_px - (region.u, region.v))) < 0.1 * region.side:
+            return sighting
+        hips = points[[23, 24]].mean(axis=0)
+        low = replace(sighting.body, points_px=hips + 1.25 * (points - hips) + (0.0, 60.0))
+        return Sighting(low, region_of(low))
+
+
+def test_after_a_second_without_pictures_the_same_person_is_the_same() -> None:
+    """The drone moved on meanwhile, and the look at where they were shows a crooked body: nobody new."""
+    stage = Crooked([Player(lambda t: (0.0, 4.0) if t < 2.5 else (0.4, 4.0))], engage="first")
+    assert handed(stage.play(2.0))
+    who = stage.estimate.operator
+    stage.t_s = 3.2
+    assert len(handed(stage.play(4.2))) > 25
+    assert who is not None and stage.estimate.operator is not None
+    assert stage.estimate.operator.number == who.number
 
 
 def test_handing_over_needs_both() -> None:

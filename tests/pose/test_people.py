@@ -89,7 +89,8 @@ def test_distance_is_trusted_more_than_the_place_across() -> None:
     assert people.misfit(track, look(0.45, 4.0), now) < 1.0
     assert people.misfit(track, look(0.0, 3.55), now) == np.inf
     assert people.misfit(track, look(0.0, 3.75), now) < 1.0
-    assert people.misfit(track, look(0.0, 3.75), now, range_slack_m=0.2) == np.inf
+    assert people.misfit(track, look(0.0, 3.75), now, nearer_slack_m=0.2) == np.inf
+    assert people.misfit(track, look(0.0, 4.25), now, nearer_slack_m=0.2) < 1.0
 
 
 def test_the_longer_unseen_the_less_is_certain_but_not_without_end() -> None:
@@ -157,6 +158,19 @@ def test_whoever_hides_somebody_does_not_draw_them_nearer() -> None:
         people.update(track, look(0.02 * k, 4.0 - 0.05 * k), k * SECOND // 30, hidden=True)
     assert np.linalg.norm(track.position_m) == pytest.approx(np.hypot(4.0, 0.1), abs=0.01)
     assert track.position_m[0] == pytest.approx(0.2, abs=0.03)
+
+
+def test_whoever_begins_to_hide_somebody_lends_them_no_speed() -> None:
+    """A single look 0.3 m too near, as an arm before the hips gives, must not send them on their way."""
+    people = People()
+    near, plain = somebody(people, 0.0, 4.0), somebody(people, 1.5, 4.0)
+    people.update(near, look(0.0, 3.7), SECOND // 30, touched=True)
+    people.update(plain, look(1.5, 3.7), SECOND // 30)
+    assert near.velocity_m_s.tolist() == [0.0, 0.0, 0.0] and plain.velocity_m_s[2] < -0.3
+    assert 3.9 < near.position_m[2] < 3.95, "no faster than people run"
+    for k in range(2, 10):
+        people.update(near, look(0.0, 3.7), k * SECOND // 30, touched=True)
+    assert near.position_m[2] == pytest.approx(3.7, abs=0.01), "and not for ever"
 
 
 def test_a_mixture_of_two_bodies_is_nobody_new() -> None:

@@ -5,16 +5,16 @@ from __future__ import annotations
 import pytest
 
 from wigwag.errors import InputError
-from wigwag.stream.truth import Showing, meaning, with_onsets
+from wigwag.stream.truth import Showing, meaning
 from wigwag.stream.watcher import Hypothesis
 
 S = 10**9
 GESTURE = Showing("wave", 10 * S, 12 * S)
 
 
-def stretch(onset_s: float, now_s: float, still_m_s: float = 0.1) -> Hypothesis:
+def stretch(onset_s: float, now_s: float) -> Hypothesis:
     onset, now = round(onset_s * S), round(now_s * S)
-    return Hypothesis(onset, now, now_s - onset_s, 1.0, 1.0, still_m_s, False, False, (0, 1))
+    return Hypothesis(onset, now, now_s - onset_s, 1.0, 1.0, 0.1, False, False, (0, 1))
 
 
 @pytest.mark.parametrize(
@@ -37,15 +37,6 @@ def test_meaning(onset_s: float, now_s: float, showing: int | None, doubtful: bo
 
 def test_progress_is_the_share_that_has_passed() -> None:
     assert meaning(stretch(10.0, 11.4), [GESTURE]).progress == pytest.approx(0.7)
-
-
-def test_an_action_point_gets_the_stillest_moment_before_it() -> None:
-    point = Showing("push", 12 * S, 12 * S)
-    seen = [stretch(8.0, 11.0, 0.01), stretch(10.8, 12.0, 0.05), stretch(11.4, 12.0, 0.3)]
-    (known,) = with_onsets([point], seen)
-    assert known.onset_ns == round(10.8 * S)
-    (assumed,) = with_onsets([point], [])
-    assert point.end_ns - 2.5 * S < assumed.onset_ns < point.end_ns
 
 
 def test_a_showing_does_not_end_before_it_begins() -> None:

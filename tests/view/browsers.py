@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import os
+import re
 import shutil
+import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import cv2
@@ -12,6 +17,25 @@ import numpy as np
 import pytest
 
 _FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+
+
+PICTURES = os.environ.get("WIGWAG_TEST_PICTURES")
+"""A folder for what was to be seen, to look at."""
+
+
+@contextmanager
+def serving(folder: Path, *words: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """Run a wigwag command with a console until the end of the block; give the process and its page."""
+    wigwag = Path(sys.executable).parent / "wigwag"
+    line = [str(wigwag), *words, "--console-at", "127.0.0.1:0"]
+    with subprocess.Popen(line, cwd=folder, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        found = re.search(r"http://\S+", process.stdout.readline())
+        assert found is not None
+        try:
+            yield process, found.group()
+        finally:
+            process.kill()
 
 
 @contextmanager
@@ -55,6 +79,13 @@ class Tab:
         """What is to be seen, RGB."""
         data = np.frombuffer(self.page.screenshot(), np.uint8)
         return np.asarray(cv2.imdecode(data, cv2.IMREAD_COLOR)[:, :, ::-1])
+
+    def keep(self, name: str) -> np.ndarray:
+        """Return what is to be seen, RGB; keep it where somebody wants to look at it."""
+        picture = self.picture()
+        if PICTURES:
+            cv2.imwrite(str(Path(PICTURES) / f"{name}.png"), picture[:, :, ::-1])
+        return picture
 
     def press(self, name: str) -> float:
         """Press a button; return when the page saw it, seconds since the epoch."""

@@ -78,7 +78,7 @@ def flight(seconds: float) -> Iterator[Flown]:
 
 
 def test_a_flight_is_seen_and_stopped_from_the_page() -> None:
-    with chromium() as browser, flight(120.0) as flown:
+    with chromium() as browser, flight(900.0) as flown:
         tab = Tab(browser, flown.url)
         began = flown.until(lambda turn: turn["mode"] == "executing")
         tab.until("executing")
@@ -93,7 +93,7 @@ def test_a_flight_is_seen_and_stopped_from_the_page() -> None:
         assert operators[0].sum() > 30 and (operators[0] ^ operators[1]).sum() > 30, "the operator moves"
 
         other = Tab(browser, flown.url)
-        other.until("executing")
+        other.page.locator("[data-mode]").wait_for()
         pressed_s = tab.press("STOP")
         held = flown.until(lambda turn: turn["mode"] == "holding", pressed_s)
         turn_s = np.median(np.diff([turn["wall_s"] for turn in flown.turns[-60:]]))
@@ -118,7 +118,7 @@ def test_a_flight_is_seen_and_stopped_from_the_page() -> None:
 
 
 def test_limits_are_tightened_on_the_page_and_only_so() -> None:
-    with chromium() as browser, flight(120.0) as flown:
+    with chromium() as browser, flight(900.0) as flown:
         tab = Tab(browser, flown.url)
         flown.until(lambda turn: turn["mode"] == "executing")
         tab.until("executing")

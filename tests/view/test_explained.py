@@ -11,7 +11,7 @@ import pytest
 from tests.view.test_report import SUMMARY, flight
 from wigwag.gesture import Gesture
 from wigwag.recognise.explain import Example, Explanation
-from wigwag.view.explained import png_of, svg_of
+from wigwag.view.explained import headline_of, narrow_figure_of, narrow_png_of, png_of, svg_of
 from wigwag.view.report import Still, jpeg, write_report
 
 VIEWS = ("positions", "hands")
@@ -57,6 +57,17 @@ def test_a_picture_says_what_was_decided_and_what_would_have_changed_it(decided:
     picture = cv2.imdecode(np.frombuffer(png_of(decided), np.uint8), cv2.IMREAD_COLOR)
     assert picture.shape[0] > 600 and picture.shape[1] > 1200
     assert (picture < 250).any(axis=(0, 2)).mean() > 0.6, "there is something to see across it"
+
+
+def test_in_a_narrow_column_the_same_is_drawn_one_above_the_other(decided: Explanation) -> None:
+    assert headline_of(decided, "3.2 s") == "3.2 s: take off, 0.970 sure, 0.700 asked for"
+    picture = cv2.imdecode(np.frombuffer(narrow_png_of(decided), np.uint8), cv2.IMREAD_COLOR)
+    assert picture.shape[0] > 1.5 * picture.shape[1] > 1000
+    inked = (picture < 250).any(axis=(1, 2))
+    assert inked.mean() > 0.6 and inked[-40:].any(), "from top to bottom"
+    words = [text.get_text() for text in narrow_figure_of(decided).axes[0].texts]
+    assert "take off of somebody & <co>, 1.10 times the usual" in words
+    assert len([word for word in words if word.endswith(" %")]) == 4 * 6
 
 
 def test_one_gesture_alone_can_be_drawn(decided: Explanation) -> None:

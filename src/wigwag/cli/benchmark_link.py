@@ -36,10 +36,12 @@ class LinkBenchmark:
         records = Records(self.json, command_line("wigwag benchmark link", self), 0)
         table = Table(
             title="Set-points over UDP, as they come at the other end, ms",
-            caption="jitter: of the interval, against 1/30 s; decision: until the first set-point by it",
+            caption="jitter: of the interval, against 1/30 s; decision: until the first set-point by it; "
+            "machine: how late a bare process of the same priority was woken meanwhile",
             box=SIMPLE_HEAD,
         )
-        for column in ("loop", "Hz", "jitter p50", "p99", "max", "decision p50", "p99", "max", "a turn"):
+        for column in ("loop", "Hz", "jitter p50", "p99", "max", "decision p50", "p99", "max", "a turn",
+                       "machine p99", "max"):  # fmt: skip
             table.add_column(column, justify="right", no_wrap=True)
         loads = [("idle", lambda: None)] + ([("pose network", pose_work())] if self.pose else [])
         for name, work in loads:
@@ -50,6 +52,7 @@ class LinkBenchmark:
                 name, f"{f.rate_hz:.1f}", f"{f.jitter_p50_ms:.2f}", f"[bold]{f.jitter_p99_ms:.2f}[/]",
                 f"{f.jitter_max_ms:.1f}", f"{f.decision_p50_ms:.1f}", f"[bold]{f.decision_p99_ms:.1f}[/]",
                 f"{f.decision_max_ms:.1f}", f"{f.loop_p50_ms:.1f}",
+                f"{f.machine_p99_ms:.2f}", f"{f.machine_max_ms:.1f}",
             )  # fmt: skip
         console.print(table)
         if self.json is not None:

@@ -80,6 +80,7 @@ class Fly:
         from wigwag.record.container import check_target
         from wigwag.rig import open_rig
         from wigwag.stream.models import load_model, warm_up
+        from wigwag.stream.overhear import Overhearing
         from wigwag.vehicles.dry import DryVehicle
 
         console = Console()
@@ -104,6 +105,8 @@ class Fly:
                 pose, model, DryVehicle(rig.vehicle) if self.dry_run else rig.vehicle, commands=commands,
                 config=config, in_the_air=Mode.HOLDING, time_ns=rig.now_ns if rig.live else None,
             )  # fmt: skip
+            if onlookers.console is not None:  # whoever looks at the page wants to know why
+                pilot.spotter = Overhearing(model, config.spot)
             recorder = self._recorder(pilot, file, patient=not rig.live)
             flying = Flying(console, rig, pilot, recorder, self.land_on_exit, self.duration_s, onlookers)
             return flying.fly()

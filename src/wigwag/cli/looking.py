@@ -33,12 +33,19 @@ class Looking:
     drawn anew where one is needed, and printed."""
 
     @contextmanager
-    def open(self, console: Console, flies: bool = True) -> Iterator[Onlookers]:
+    def open(
+        self,
+        console: Console,
+        *,
+        flies: bool = True,
+        teaches: bool = False,
+    ) -> Iterator[Onlookers]:
         """Open what was asked for, and close it at the end.
 
         Args:
             console: Where the page's address is printed.
             flies: Whether there is something to be stopped.
+            teaches: Whether gestures are taught.
 
         Raises:
             InputError: If an option is wrong.
@@ -59,7 +66,8 @@ class Looking:
                 from wigwag.view.console.console import Console as Page
                 from wigwag.view.console.console import ConsoleConfig
 
-                page = Page(ConsoleConfig.at(self.console_at, self.console_token, flies=flies))
+                config = ConsoleConfig.at(self.console_at, self.console_token, flies=flies, teaches=teaches)
+                page = Page(config)
                 console.print(f"console: [bold]{page.url}[/]", highlight=False, soft_wrap=True)
             yield Onlookers(rerun, page)
         finally:

@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import tyro
 
+from wigwag.cli.looking import Looking
 from wigwag.errors import InputError
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from wigwag.camera.protocol import Camera
-    from wigwag.evaluate.taught import Estimate
+    from wigwag.cli.classroom import Classroom
+    from wigwag.cli.lessons import OneLesson
     from wigwag.pose.estimator import PoseEstimator
-    from wigwag.skeleton import Clip
     from wigwag.teach.student import Student
-    from wigwag.teach.teacher import Coaching, LessonConfig, Teacher
+    from wigwag.teach.teacher import LessonConfig
 
 
 @dataclass(frozen=True)
@@ -29,12 +32,15 @@ class Teach:
     good is kept in a folder of clips, and the model learns it at once. Without a MODEL there yet, the demo's
     ten commands are taught first. In recordings, every movement between two rests counts as a repetition.
 
+    With --console a page in the browser says the same, and names further gestures, one after another, until
+    Ctrl-C.
+
     Exit code: 0 taught, 1 the recording was over too soon or the showings are not recognised, 2 wrong input.
     Example: wigwag teach --camera webcam:0 --gesture salute --model mine.wigwag
     """
 
-    gesture: str
-    """Its name."""
+    gesture: str = ""
+    """Its name. With --console it may be left out: then the page names it."""
     camera: str = "webcam:0"
     """Address of the camera, or of a recording (video:FILE, folder:DIR); see docs/cameras.md."""
     model: Path = Path("gestures.wigwag")
@@ -55,7 +61,8 @@ class Teach:
     learn: bool = True
     """Let the model learn it; if not, the clips are kept alone, to evaluate by."""
     json: Path | None = None
-    """File for the figures: one record."""
+    """File for the figures: one record a gesture."""
+    looking: Looking = field(default_factory=Looking)
     models_dir: tyro.conf.Suppress[Path | None] = None
 
     def run(self) -> int:
@@ -63,41 +70,75 @@ class Teach:
         from rich.console import Console
         from threadpoolctl import threadpool_limits
 
+        from wigwag.camera.live import LiveCamera
         from wigwag.cameras import open_camera, parse_camera
+        from wigwag.cli.classroom import Classroom
+        from wigwag.cli.lessons import Keeping, Voice, name_of
         from wigwag.cli.targets import check_file, make_folder
-        from wigwag.datasets.folder import safe_name
         from wigwag.evaluate.records import Records, command_line
-        from wigwag.evaluate.taught import judge_of
-        from wigwag.teach.teacher import Stage, Teacher
 
-        if not self.gesture.strip() or not self.subject.strip():
-            raise InputError("--gesture and --subject need a name each.")
-        safe_name(self.gesture)
+        gesture = self._gesture(name_of)
         lesson = self._lesson(parse_camera(self.camera).kind)
+        keeping = Keeping(self.subject, self.clips, self.model, self.learn, lesson)
         records, console = Records(self.json, command_line("wigwag teach", self), 0), Console()
         check_file(self.model, "--model")
         make_folder(self.clips, "--clips")
-        with threadpool_limits(1):
+        with threadpool_limits(1), ExitStack() as stack:
+            onlookers = stack.enter_context(self.looking.open(console, flies=False, teaches=True))
             estimator = self._estimator()
             student = self._student(console)
             with console.status("opening the camera"):
-                camera = open_camera(self.camera)
-            with camera:
-                teacher = Teacher(self.gesture, self.subject, judge_of(student, self.gesture), lesson)
-                last = self._record(console, camera, estimator, teacher)
-            learns = self.learn and len(teacher.clips) > 0
-            estimate = self._learn(console, student, teacher.clips) if learns else None
-        records.add(**self._figures(teacher, estimate, student))
-        if last is None or last.stage is not Stage.DONE:
-            self._complain(console, last, len(teacher.clips))
-            return 1
-        return 0 if estimate is None or estimate.right == estimate.shown else 1
+                camera = stack.enter_context(open_camera(self.camera))
+            onlookers.begin(eyes=estimator, live=isinstance(camera, LiveCamera))
+            classroom = Classroom(estimator, student, keeping, Voice(console), onlookers)
+            stopped = self._give(console, classroom, camera, gesture)
+        for one in classroom.lessons:
+            records.add(**one.figures())
+        return self._account(console, classroom.lessons, stopped)
 
-    def _complain(self, console: Console, last: Coaching | None, taken: int) -> None:
+    def _gesture(self, name_of: Callable[[str], str]) -> str:
+        """Return what is taught first; empty: what the page names."""
+        if not self.subject.strip():
+            raise InputError("--subject needs a name.")
+        if not self.gesture and not self.looking.console:
+            raise InputError("--gesture needs a name; only with --console it may be left out.")
+        return name_of(self.gesture) if self.gesture else ""
+
+    def _give(self, console: Console, classroom: Classroom, camera: Camera, gesture: str) -> bool:
+        """Give the lessons; say whether Ctrl-C ended them, where that is how they end."""
+        from rich.live import Live
+
+        page = self.looking.console
+        try:
+            with Live(console=console, refresh_per_second=10, transient=True) as live:
+                classroom.give(camera, live, gesture, stays=page)
+        except KeyboardInterrupt:
+            if not page:
+                raise
+            console.print("stopped")
+            return True
+        return False
+
+    def _account(self, console: Console, lessons: list[OneLesson], stopped: bool) -> int:
+        """Say what was not finished; return the exit code."""
+        from wigwag.cli.lessons import Phase
+
+        last = lessons[-1] if lessons else None
+        if stopped and last is not None and last.phase is not Phase.OVER:
+            last.cancel()
+        elif not stopped and last is not None and not last.shown and not last.cancelled:
+            self._complain(console, last)
+        elif not stopped and last is None:
+            console.print("Ended before a gesture was named.", style="red")
+            return 1
+        return 0 if all(one.fine for one in lessons) else 1
+
+    def _complain(self, console: Console, lesson: OneLesson) -> None:
         """Say that the camera ended too soon, and what was wrong then."""
+        taken, coaching = len(lesson.clips), lesson.coaching
         text = f"{self.camera}: ended after {taken} of {self.repetitions} repetitions."
-        if last is not None and last.advice is not None:
-            text += f" Last said: {last.advice.text}."
+        if coaching is not None and coaching.advice is not None:
+            text += f" Last said: {coaching.advice.text}."
         if taken and self.learn:
             text += " What there is has been learned; show more to add to it."
         console.print(text, style="red", highlight=False, markup=False, soft_wrap=True)
@@ -134,90 +175,5 @@ class Teach:
         config = for_lessons(PoseConfig(BlazePoseConfig(models_dir=self.models_dir)))
         return PoseEstimator(replace(config, operator=OperatorConfig(engage=self.engage)))
 
-    def _record(
-        self, console: Console, camera: Camera, estimator: PoseEstimator, teacher: Teacher
-    ) -> Coaching | None:
-        from rich.live import Live
 
-        from wigwag.camera.fresh import fresh
-        from wigwag.teach.seeing import see
-        from wigwag.teach.teacher import Stage
-        from wigwag.view.teaching import lesson_panel
-
-        shown_ns, coaching = None, None
-        with Live(console=console, refresh_per_second=10, transient=True) as live:
-            for glimpse in fresh(camera):
-                if glimpse.frame is None:
-                    continue
-                sight = see(estimator, glimpse.frame)
-                coaching = teacher.update(sight)
-                self._note(console, coaching)
-                if shown_ns is None or glimpse.now_ns - shown_ns > 90_000_000:
-                    shown_ns = glimpse.now_ns
-                    live.update(lesson_panel(self.gesture, coaching, self.repetitions, sight.pose))
-                if coaching.stage is Stage.DONE:
-                    break
-        return coaching
-
-    def _note(self, console: Console, coaching: Coaching) -> None:
-        """Say of a repetition that it was taken, and keep it; or why not."""
-        if coaching.refused and coaching.advice is not None:
-            console.print(
-                f"not taken: {coaching.advice.text}", style="yellow", highlight=False, soft_wrap=True
-            )
-        if coaching.clip is not None:
-            path = keep(coaching.clip, self.clips, self.gesture, self.subject)
-            console.print(
-                f"taken: {coaching.taken} of {self.repetitions}, {coaching.clip.duration_s:.1f} s, {path}",
-                highlight=False,
-                soft_wrap=True,
-            )
-
-    def _learn(self, console: Console, student: Student, clips: list[Clip]) -> Estimate | None:
-        from wigwag.evaluate.taught import leave_one_out
-
-        named = [replace(clip, name=f"{self.gesture} of {self.subject}, {clip.name}") for clip in clips]
-        with console.status("learning"):
-            estimate = leave_one_out(student, self.gesture, named)
-            student.enrol(self.gesture, named)
-            student.save(self.model)
-        console.print(
-            f"{self.model}: knows {self.gesture} now, by {student.counts()[self.gesture]} examples.",
-            highlight=False,
-            soft_wrap=True,
-        )
-        if estimate is not None:
-            low, high = estimate.interval
-            console.print(
-                f"Leave-one-out ({estimate.protocol}): {estimate.right} of {estimate.shown} recognised; "
-                f"of so few that means {100 * low:.0f} to {100 * high:.0f} % (95 % interval).",
-                highlight=False,
-                soft_wrap=True,
-            )
-        return estimate
-
-    def _figures(self, teacher: Teacher, estimate: Estimate | None, student: Student) -> dict[str, object]:
-        return {
-            "gesture": self.gesture,
-            "model": str(self.model),
-            "kind": type(student.model).__name__,
-            "taken": len(teacher.clips),
-            "seconds": [round(clip.duration_s, 2) for clip in teacher.clips],
-            "leave_one_out_right": None if estimate is None else estimate.right,
-            "leave_one_out_shown": None if estimate is None else estimate.shown,
-            "leave_one_out_answers": [] if estimate is None else list(estimate.answers),
-            "gestures": list(student.known),
-        }
-
-
-def keep(clip: Clip, folder: Path, gesture: str, subject: str) -> Path:
-    """Save a repetition under the first free number."""
-    from wigwag.datasets.folder import clip_path, save_clip
-
-    number = 1
-    while (folder / clip_path(replace(clip, name=f"{gesture}-{subject}-{number}"), ".json")).exists():
-        number += 1
-    return save_clip(replace(clip, name=f"{gesture}-{subject}-{number}"), folder)
-
-
-__all__ = ["Teach", "keep"]
+__all__ = ["Teach"]

@@ -27,6 +27,9 @@ MOVES = (
     Command.LEFT, Command.RIGHT, Command.UP, Command.DOWN, Command.CLOSER, Command.FARTHER, Command.ORBIT
 )  # fmt: skip
 _SETTLE_S = 2.0
+_STAND_S, _MEAN_S = 6.0, 2.0
+"""Before a command, so long it stands: put into the wind at rest, a quadrotor takes seconds to lean against
+it. Where it is, before and after, is the mean of so long: gusts shake it by half a decimetre in a second."""
 
 Place = tuple[float, float, float]
 """Where a drone is, seen from the person: angle around them, radians; distance; height, metres."""
@@ -101,11 +104,11 @@ def fly_command(vehicle: str, command: Command, seed: int) -> float:
         places.append(place_around(at_m, world.person_m, places[-1][0] if places else 0.0))
 
     def where() -> Place:
-        """Return the place of the last second, on average: gusts and its own noise shake the drone."""
-        angle, distance, height = np.mean(places[-30:], axis=0)
+        """Return the place of the last seconds, on average."""
+        angle, distance, height = np.mean(places[-round(30 * _MEAN_S) :], axis=0)
         return float(angle), float(distance), float(height)
 
-    for _ in range(round(2 * _SETTLE_S * 30)):
+    for _ in range(round(_STAND_S * 30)):
         turn()
     before = where()
     turn(command)
@@ -115,7 +118,7 @@ def fly_command(vehicle: str, command: Command, seed: int) -> float:
     until_s = flight.now_s + 90.0
     while flight.pilot.supervisor.mode is Mode.EXECUTING and flight.now_s < until_s:
         turn()
-    for _ in range(round(_SETTLE_S * 30)):
+    for _ in range(round((_SETTLE_S + _MEAN_S) * 30)):
         turn()
     return missed(command, before, where(), sizes)
 

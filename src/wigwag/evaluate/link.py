@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import multiprocessing
+import os
 import socket
 import struct
 import sys
@@ -20,6 +21,7 @@ from wigwag.errors import InputError
 from wigwag.fly.values import Setpoint
 from wigwag.vehicles.mavlink import MavlinkConfig, MavlinkVehicle
 from wigwag.vehicles.mavlink.links import UdpLink
+from wigwag.vehicles.mavlink.vehicle import SENDER_PRIORITY
 
 _RATE_HZ = 30.0
 _STEP_M_S = 1e-4
@@ -47,6 +49,10 @@ class LinkFigures:
     decision_max_ms: float
     loop_p50_ms: float
     """What a turn of the loop took."""
+    machine_p99_ms: float
+    """How late the machine itself woke a bare process of the same priority, that only slept, at the same
+    time: no program on it can be more even."""
+    machine_max_ms: float
 
     def row(self) -> dict[str, Any]:
         """Return the record."""
@@ -72,6 +78,9 @@ def measure_link(seconds: float, work: Callable[[], object], load: str) -> LinkF
     vehicle = MavlinkVehicle(UdpLink("127.0.0.1", port, listen=True), MavlinkConfig(rate_hz=_RATE_HZ))
     process = context.Process(target=_other_end, args=(there, port), daemon=True)
     process.start()
+    ours, theirs = context.Pipe()
+    sleeper = context.Process(target=_sleep, args=(theirs,), daemon=True)
+    sleeper.start()
     try:
         vehicle.connect()
         decided, turns = _fly(vehicle, seconds, work)
@@ -79,8 +88,12 @@ def measure_link(seconds: float, work: Callable[[], object], load: str) -> LinkF
         vehicle.close()
         here.send("enough")
         arrived = here.recv() if here.poll(10.0) else []
+        ours.send("enough")
+        woken = ours.recv() if ours.poll(10.0) else []
         process.join(5.0)
-    return _figures(np.array(arrived, float).reshape(-1, 2), np.array(decided), np.array(turns), load)
+        sleeper.join(5.0)
+    came = np.array(arrived, float).reshape(-1, 2)
+    return _figures(came, np.array(decided), np.array(turns), np.array(woken).reshape(-1, 2), load)
 
 
 def _fly(
@@ -136,7 +149,23 @@ def _other_end(pipe: Connection, port: int) -> None:
     pipe.send(came)
 
 
-def _figures(arrived: np.ndarray, decided: np.ndarray, turns: np.ndarray, load: str) -> LinkFigures:
+def _sleep(pipe: Connection) -> None:
+    """Do nothing at 30 Hz until told that it is enough; tell when it was woken, and how much too late."""
+    with contextlib.suppress(OSError):
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(SENDER_PRIORITY))
+    woken: list[tuple[float, float]] = []
+    due_s = time.monotonic()
+    while not pipe.poll():
+        due_s = max(due_s + 1 / _RATE_HZ, time.monotonic())
+        time.sleep(max(0.0, due_s - time.monotonic()))
+        now_s = time.monotonic()
+        woken.append((now_s, now_s - due_s))
+    pipe.send(woken)
+
+
+def _figures(
+    arrived: np.ndarray, decided: np.ndarray, turns: np.ndarray, woken: np.ndarray, load: str
+) -> LinkFigures:
     """Compare what came with what was decided, the first two seconds left out."""
     arrived = arrived[arrived[:, 1] > 0.1]  # standing still at the end is another matter
     since = arrived[0, 0] + _SETTLE_S
@@ -146,6 +175,7 @@ def _figures(arrived: np.ndarray, decided: np.ndarray, turns: np.ndarray, load: 
     obeyed = np.searchsorted(newest, decided[:, 1] - _STEP_M_S / 2)
     known = obeyed < len(arrived)
     waited = (arrived[obeyed[known], 0] - decided[known, 0]) * 1e3
+    late = woken[(woken[:, 0] > since) & (woken[:, 0] < arrived[-1, 0]), 1] * 1e3
     jitters = [float(v) for v in np.percentile(jitter, (50, 99, 100))]
     waits = [float(v) for v in np.percentile(waited, (50, 99, 100))]
     return LinkFigures(
@@ -159,6 +189,8 @@ def _figures(arrived: np.ndarray, decided: np.ndarray, turns: np.ndarray, load: 
         decision_p99_ms=waits[1],
         decision_max_ms=waits[2],
         loop_p50_ms=float(np.median(turns)) * 1e3,
+        machine_p99_ms=float(np.percentile(late, 99)) if len(late) else float("nan"),
+        machine_max_ms=float(late.max()) if len(late) else float("nan"),
     )
 
 

@@ -36,6 +36,8 @@ DISTANCES_M = (3.0, 4.0, 6.0, 8.0)
 PATIENCE_S = 1.5
 """So soon after the passer-by is clear the operator must be handed on again."""
 PASSERBY_SEED = 50_000
+_ROOM_M = 4.0
+"""Nearer than this, gusts tilt a raised hand out of the picture: the operator raises it three times."""
 
 _Cast = tuple["Condition", int, np.random.Generator]
 """What chooses a passer-by: the condition, the seed, and chance."""
@@ -148,10 +150,12 @@ def stage(condition: Condition, distance_m: float, events: int, seed: int) -> St
     person = Person.random(seed)
     look = Look.from_seed(seed, person.height_m)
     engage = perform("engage", person, seed)
-    begin_s = 1.0 + engage.duration_s + 1.0
+    raises = 1 if distance_m >= _ROOM_M else 3
+    acts = [Act(1.0 + k * (engage.duration_s + 0.3), engage) for k in range(raises)]
+    engaged_s = acts[-1].end_s
+    begin_s = engaged_s + 1.0
     passers, windows = _passers(condition, distance_m, events, begin_s=begin_s, seed=seed, rng=rng)
     duration_s = max(end for _, end in windows) + _patience_s(condition) + 0.2
-    acts = [Act(1.0, engage)]
     walks: tuple[Walk, ...] = ()
     if condition.event == "takes the place":
         walks, again = _leave_and_return(windows, person, seed)
@@ -159,10 +163,10 @@ def stage(condition: Condition, distance_m: float, events: int, seed: int) -> St
     else:
         acts += _commands(person, begin_s, duration_s, seed, rng)
         walks = _to_and_fro(begin_s, duration_s) if condition.walks else ()
-    script = Script(tuple(acts), walks, (), duration_s, acts[0].end_s)
+    script = Script(tuple(acts), walks, (), duration_s, engaged_s)
     operator = Operator(
         person, script, (distance_m, 0.0), seed=seed,
-        turned_rad=float(np.radians(condition.turned_deg)), turns_s=acts[0].end_s,
+        turned_rad=float(np.radians(condition.turned_deg)), turns_s=engaged_s,
     )  # fmt: skip
     others = []
     for k, passer in enumerate(passers):
@@ -179,7 +183,7 @@ def stage(condition: Condition, distance_m: float, events: int, seed: int) -> St
         quadrotor=QuadrotorConfig(position_m=(0.0, 0.0, 1.3)),
     )
     world = World(config, seed, operator, look, others=others)
-    return Staged(world, condition, distance_m, acts[0].end_s, windows, duration_s)
+    return Staged(world, condition, distance_m, engaged_s, windows, duration_s)
 
 
 def _patience_s(condition: Condition) -> float:

@@ -14,6 +14,7 @@ from typing import Any
 
 from wigwag.errors import InputError
 from wigwag.evaluate.stream.tables import stream_table
+from wigwag.evaluate.tables_pose import monocular_table, operator_table, smooth_table
 
 BEGIN, END = "<!-- results: begin -->", "<!-- results: end -->"
 
@@ -287,6 +288,22 @@ PARTS: dict[str, tuple[str, Callable[[Records], str]]] = {
         "From a frame with depth, 640x480, to the operator's 3-D pose, one core (`wigwag benchmark camera "
         "--json FILE`):",
         camera_table,
+    ),
+    "operator": (
+        "The operator among passers-by (`wigwag benchmark operator --json FILE`), rendered: kept means "
+        "handed on again within 1.5 s after the passer-by is clear (11 s where the operator had walked off "
+        "and has to engage again), and nobody else's pose meanwhile:",
+        operator_table,
+    ),
+    "smooth": (
+        "The filter in space (`wigwag benchmark smooth --data DIR --json FILE`), UTD-MHAD's fastest swings "
+        "by people 2, 4, 6, 8; lag and overshoot without noise, errors with it:",
+        smooth_table,
+    ),
+    "monocular": (
+        "People without depth (`wigwag benchmark monocular --json FILE`), rendered, beside the same "
+        "people by depth:",
+        monocular_table,
     ),
     "few-shot": (
         "Few examples (`wigwag benchmark few-shot --data DIR --json FILE`), UTD-MHAD, 27 classes, test "

@@ -43,7 +43,8 @@ class FollowConfig:
     """Of the way back to the goal's angle."""
     max_return_m_s: float = 0.4
     """That way is flown no faster."""
-    altitude_gain_1_s: float = 0.8
+    altitude_gain_1_s: float = 2.0
+    """Quick, for the drone's idea of its own height drifts, and the operator's hips tell."""
     velocity_delay_s: float = 0.30
     """From a velocity set-point to the motion (0.25 s on both autopilots, and its transport). The law answers
     where drone and operator will be after so long: which damps the distance."""

@@ -20,8 +20,8 @@ class MovementConfig:
     """Length of the arc flown on left and right."""
     sideways_m_s: float = 0.5
     """Speed of that."""
-    altitude_step_m: float = 0.3
-    """How far up and down go."""
+    altitude_step_m: float = 0.4
+    """How far up and down go: from the usual height once to the lower bound, twice to the upper."""
     climb_m_s: float = 0.4
     """Speed of that."""
     distance_step_m: float = 0.6

@@ -55,7 +55,7 @@ class TrackConfig:
     """Whoever is seen farther than this from where the operator can have walked to is somebody else."""
     reach_s: float = 2.0
     """The operator is not believed to have walked for longer than this while not seen."""
-    height_s: float = 1.0
+    height_s: float = 0.3
     """Time constant of the hips' height, which the drone's own height goes by."""
     history_s: float = 1.0
     """How long the drone's own states are remembered, so that a late frame meets the state of its time."""

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Any
 
 from wigwag.fly.values import Command, Setpoint
 
@@ -111,6 +113,29 @@ class Situation:
     """How long the gesture behind the command was shown."""
     withheld: bool = False
     """Whether somebody at the console keeps it where it is until they let go."""
+
+
+def sound(now: Situation) -> Situation:
+    """Return the same situation without what is no number: that is not known, and guards would let it pass.
+
+    A vehicle whose place or heading is no number has told no state; an operator who is nowhere is not seen.
+
+    Example:
+        >>> told = Situation(5 * 10**9, Craft.AIRBORNE, 5 * 10**9, 5 * 10**9, distance_m=float("nan"))
+        >>> sound(told).distance_m is None
+        True
+    """
+    changes: dict[str, Any] = {}
+    if not all(map(math.isfinite, (*now.position_m, now.heading_rad))):
+        changes |= {"position_m": (0.0, 0.0, 0.0), "heading_rad": 0.0, "state_ns": now.now_ns - _NEVER_NS}
+    if now.distance_m is not None and not (math.isfinite(now.distance_m) and math.isfinite(now.bearing_rad)):
+        changes |= {"distance_m": None, "bearing_rad": 0.0}
+    if now.battery is not None and not math.isfinite(now.battery):
+        changes["battery"] = None
+    return replace(now, **changes) if changes else now
+
+
+_NEVER_NS = 10**15
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ from typing import Any
 from wigwag.fly.gates import GATES, Gate, confirmed, refused
 from wigwag.fly.guards import GUARDS, Guard, guarded
 from wigwag.fly.limits import SupervisorConfig
-from wigwag.fly.situation import Action, Craft, Memory, Mode, Permit, Situation, Verdict, age_s
+from wigwag.fly.situation import Action, Craft, Memory, Mode, Permit, Situation, Verdict, age_s, sound
 from wigwag.fly.tighten import tightened
 from wigwag.fly.transitions import MASKED_BY_STOP, TABLE, Event, Transition, arrange
 from wigwag.fly.values import HOVER, Command, Setpoint
@@ -124,6 +124,7 @@ def decide(
     Returns:
         What to remember, and what is done.
     """
+    now = sound(now)
     memory = _noticed(memory, now, limits)
     event, memory, reason = _heard(memory, now, limits, rules)
     row = _happened(memory, now, limits, rules, event)
@@ -154,7 +155,7 @@ def permit(
         limits: Limits.
         rules: What to go by.
     """
-    mode = memory.mode
+    mode, now = memory.mode, sound(now)
     if mode not in STEERED or now.craft is not Craft.AIRBORNE:
         return Permit(None)
     blind = person_lost(now, memory, limits) or state_stale(now, memory, limits)

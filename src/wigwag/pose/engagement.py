@@ -51,7 +51,11 @@ class EngagementConfig:
     still: float = 0.25
     """A hand is still while it stays within this distance of where it has been, seen from the trunk."""
     grace_s: float = 0.15
-    """A posture that is not seen for less than this goes on: the network errs for a frame now and then."""
+    """A posture that is clearly another for less than this goes on: the network errs for a frame now and
+    then."""
+    clear: float = 0.7
+    """Wrists of a lower visibility say nothing against a posture: in the dark, and where they blur, the
+    network loses an arm for some frames in a row."""
     gap_s: float = 0.5
     """After a gap this long in the poses everything begins anew."""
 
@@ -90,7 +94,8 @@ class Engagement:
         """Forget what has been held so far; a posture that is held on must be held anew."""
         self._up = (False, False)
         self._anchor: Float[np.ndarray, "2 2"] | None = None
-        self._since_ns = self._good_ns = 0
+        self._since_ns = self._good_ns = self._last_ns = 0
+        self._against_s = 0.0
         self._said = False
 
     @property
@@ -114,10 +119,13 @@ class Engagement:
         away = np.linalg.norm(wrists - self._anchor, axis=1)[np.array(self._up)]
         if up == self._up and (away <= config.still).all():
             self._anchor = self._anchor + min(elapsed_s / _ANCHOR_S, 1.0) * (wrists - self._anchor)
-            self._good_ns = now
-        elif elapsed_s > config.grace_s:
+            self._good_ns, self._against_s = now, 0.0
+        elif pose.visibility[list(_WRISTS)].min() >= config.clear:
+            self._against_s += (now - self._last_ns) * 1e-9
+        if self._against_s > config.grace_s:
             self._begin(up, wrists, now)
             return None
+        self._last_ns = now
         if self._said or not any(self._up):
             return None
         signal, needed_s = (
@@ -132,7 +140,8 @@ class Engagement:
     def _begin(self, up: tuple[bool, bool], wrists: Float[np.ndarray, "2 2"], now_ns: int) -> None:
         # A hand that has spoken and only trembled does not speak again before it has been down.
         self._said = self._said and up == self._up and any(up)
-        self._up, self._anchor, self._since_ns, self._good_ns = up, wrists, now_ns, now_ns
+        self._up, self._anchor, self._against_s = up, wrists, 0.0
+        self._since_ns = self._good_ns = self._last_ns = now_ns
 
     def _look(self, pose: Pose) -> tuple[tuple[bool, bool], Float[np.ndarray, "2 2"]]:
         """Return which hands are up, both down if the posture is neither, and the wrists seen from the trunk.

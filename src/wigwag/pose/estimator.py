@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -19,6 +19,7 @@ from wigwag.pose.operator import OperatorConfig, OperatorKeeper
 from wigwag.pose.people import People, PeopleConfig, Track
 from wigwag.pose.sides import SidesConfig
 from wigwag.pose.space import InSpace
+from wigwag.pose.steady import Steadier, SteadyConfig
 from wigwag.pose.turning import PictureShift
 from wigwag.pose.watching import BodyTracker, PeopleFinder, WatchConfig, Watcher
 from wigwag.skeleton import Pose
@@ -48,10 +49,8 @@ class PoseConfig:
     head: Literal["ears", "nose"] = "ears"
     """What the first landmark is: the middle of the ears, where a Kinect puts its head joint, so that
     people recorded with a Kinect and people seen by a camera agree; or the nose, as in the paper."""
-    trusted: tuple[float, float] = (0.3, 0.8)
-    """From the lower visibility to the upper one, trust in what is measured grows from least to full."""
-    least_trust: float = 0.08
-    """How far a landmark that is not seen moves towards each new guess."""
+    steady: SteadyConfig = field(default_factory=SteadyConfig)
+    """How what is handed on is made steady."""
 
     @classmethod
     def alone(cls) -> PoseConfig:
@@ -105,6 +104,7 @@ class PoseEstimator:
         self._people = People(config.people, config.engagement, config.sides)
         self._keeper = OperatorKeeper(config.operator, self._people)
         self._shift = PictureShift()
+        self._steady = Steadier(config.steady)
         eyes = tracker or BlazePose(config.blazepose)
         self._watcher = Watcher(eyes, config.watch, self.lift, self._people, self._keeper)
         self.body: Body | None = None
@@ -119,8 +119,7 @@ class PoseEstimator:
         self._keeper.reset()
         self._shift.reset()
         self.body = None
-        self._relative_m: Float[np.ndarray, "13 3"] | None = None
-        self._handed: tuple[int, int] | None = None
+        self._steady.reset()
         self._stamp_ns: int | None = None
 
     @property
@@ -164,7 +163,7 @@ class PoseEstimator:
         self.body = self._watcher.unplaced if shown is None or shown.body is None else shown.body
         if track is None or track.pose is None:
             return None
-        return self._steadied(track.pose, track)
+        return self._steady(track.pose, track.number)
 
     def _check(self, frame: Frame) -> None:
         if frame.depth_mm is None and self.config.monocular is None:
@@ -184,33 +183,11 @@ class PoseEstimator:
         """Place a body in space by the frame's depth; ``None`` if there is no depth where the person is."""
         return self._in_space(body, frame)
 
-    def _steadied(self, pose: Pose, track: Track) -> Pose:
-        """Let landmarks that are hardly seen follow slowly, relative to the hips; others stay as measured.
-
-        Feet below the picture's edge are guessed anew in every frame, and jump by a decimetre. Another
-        operator, and one who was gone for a while, begins anew.
-        """
-        if self._handed is not None:
-            number, stamp_ns = self._handed
-            if number != track.number or (pose.stamp_ns - stamp_ns) * 1e-9 > _BEGIN_ANEW_S:
-                self._relative_m = None
-        self._handed = (track.number, pose.stamp_ns)
-        low, high = self.config.trusted
-        relative = pose.joints - pose.hip_center
-        if self._relative_m is not None:
-            trust = np.clip((pose.visibility - low) / (high - low), self.config.least_trust, 1.0)
-            relative = self._relative_m + trust[:, None] * (relative - self._relative_m)
-        self._relative_m = relative
-        return replace(pose, joints=relative + pose.hip_center)
-
     def _person(self, track: Track) -> Person:
         return Person(
             track.number, track is self._keeper.track, track.body, track.pose, track.position_m,
             track.seen_ns, track.engagement.progress, track.engagement.release_progress,
         )  # fmt: skip
 
-
-_BEGIN_ANEW_S = 0.5
-"""After a gap this long in what is handed on, smoothing forgets."""
 
 __all__ = ["BodyTracker", "PeopleFinder", "Person", "PoseConfig", "PoseEstimator"]

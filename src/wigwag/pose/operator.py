@@ -41,6 +41,8 @@ class OperatorConfig:
     """After a longer gap, so many frames in a row must fit; twice as many if the place was seen empty."""
     hidden: float = 0.3
     """From this share of the trunk on that something nearer covers, nothing is handed on."""
+    touched: float = 0.1
+    """From this share on who covers it may lend the operator their depth, which is not believed at once."""
     gone: float = 0.8
     """From this share on the network is not even asked: it would see who stands before the operator."""
     wary_s: float = 2.0
@@ -50,7 +52,7 @@ class OperatorConfig:
         """Check ranges once, where the configuration enters."""
         if self.engage not in ("gesture", "first"):
             raise InputError(f"OperatorConfig.engage must be 'gesture' or 'first', but got {self.engage!r}.")
-        for name in ("lost_s", "first_lost_s", "away_s", "glitch_s", "confirm", "hidden", "gone", "wary_s"):
+        for name in self.__slots__[1:]:
             if not 0 < getattr(self, name) < np.inf:
                 raise InputError(f"OperatorConfig.{name} must be above 0, but got {getattr(self, name)}.")
 
@@ -108,13 +110,13 @@ class OperatorKeeper:
         self._absent_s = 0.0
         self._wary_ns: int | None = None
         self._before_m: tuple[float, int] | None = None
-        self._in_doubt = False
+        self._in_doubt = self._mingled = False
         self._lean_m = UPRIGHT_M
 
     @property
     def away(self) -> bool:
         """Whether the operator has to engage again to be believed."""
-        return self._absent_s > self.config.away_s
+        return self._mingled or self._absent_s > self.config.away_s
 
     def region(self, now_ns: int, intrinsics: Intrinsics) -> Region:
         """Return where in the picture to look for the operator now."""
@@ -145,6 +147,22 @@ class OperatorKeeper:
             self._absent_s += since_s
         if self._people.close_to(track, now):
             self._wary_ns = now
+        if cover.nearer >= config.hidden or track.age_s(now) > config.glitch_s:
+            self._mingled |= self._beside_a_double(track, now)
+
+    def _beside_a_double(self, track: Track, now_ns: int) -> bool:
+        """Say whether somebody known, in the operator's clothes, is where the operator should be.
+
+        If that is so while the operator is not seen, nobody can tell afterwards who is who.
+        """
+        coast_s = self._people.config.coast_s
+        expected_m = track.expected_m(now_ns, coast_s)
+        return any(
+            np.linalg.norm(other.expected_m(now_ns, coast_s) - expected_m) < _TOGETHER_M
+            and self._people.looks_like(track, other.appearance)
+            for other in self._people.tracks
+            if other is not track and other.looks > _KNOWN_LOOKS and other.age_s(now_ns) <= _LATELY_S
+        )
 
     def _learn_lean(self, cover: Cover, since_s: float, *, seen: bool) -> None:
         """Follow how far the operator's trunk leans to the camera, no faster than a body does.
@@ -175,7 +193,8 @@ class OperatorKeeper:
                 return Claim.MAYBE
             self._in_doubt = False
         self._trial, self._absent_s, self.sure = [], 0.0, True
-        people.update(track, seen, now_ns, learn=not self._wary(now_ns))
+        touched = self.cover.nearer >= self.config.touched
+        people.update(track, seen, now_ns, learn=not self._wary(now_ns), touched=touched)
         return Claim.YES
 
     def _fits(self, track: Track, seen: Seen, now_ns: int) -> bool:
@@ -184,14 +203,18 @@ class OperatorKeeper:
         slack = np.inf
         if self._before_m is not None and (now_ns - self._before_m[1]) * 1e-9 < self.config.wary_s:
             # Whoever stands before the operator is known by their distance: nearer to it than to the
-            # operator's own is not the operator.
+            # operator's own is not the operator. Farther off than expected it is not they.
             expected = float(np.linalg.norm(track.expected_m(now_ns, people.config.coast_s)))
             slack = max(0.5 * (expected - self._before_m[0] - UPRIGHT_M), 0.2)
         if people.misfit(track, seen, now_ns, slack) >= 1.0 or not people.sized_like(track, seen):
             return False
         mine = people.away_m(track, seen, now_ns)
-        for other in people.close_to(track, now_ns):
-            if other.looks > 2 and other.age_s(now_ns) < 0.5 and people.away_m(other, seen, now_ns) < mine:
+        followed = track.age_s(now_ns) <= self.config.glitch_s
+        for other in people.tracks:
+            age_s = other.age_s(now_ns)
+            if other is track or other.looks <= 2 or age_s > (_LATELY_S if followed else _KNOWN_S):
+                continue
+            if people.away_m(other, seen, now_ns) < mine:
                 return False
         careful = self._wary(now_ns) or track.age_s(now_ns) > self.config.glitch_s
         return not careful or people.looks_like(track, seen.appearance)
@@ -264,6 +287,8 @@ class OperatorKeeper:
             return "nobody has engaged" if self._people.tracks else "nobody is seen"
         if self.cover.nearer >= self.config.hidden:
             return "somebody or something stands before the operator"
+        if self._mingled:
+            return "the operator was too close to somebody alike and has to engage again"
         if self.away:
             return "the operator went away and has to engage again"
         if self._trial:
@@ -273,6 +298,11 @@ class OperatorKeeper:
         return "the operator is not seen"
 
 
+_TOGETHER_M, _KNOWN_LOOKS = 0.5, 10
+"""People nearer to each other, of whom one is not seen and the other was looked at more often, mingle."""
+_LATELY_S, _KNOWN_S = 0.5, 0.8
+"""Who was seen as somebody else so lately is not the operator, who is followed or has to be found again: of
+four people, each is looked at as often as the latter."""
 _LEANS_M_S = 2.5
 """How fast a trunk bends at most, as the camera sees it."""
 _CALL_NS = 1_000_000_000

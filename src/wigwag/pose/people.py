@@ -183,21 +183,23 @@ class People:
             u, v = track.region.u + shift_px[0], track.region.v + shift_px[1]
             track.region = replace(track.region, u=u, v=v)
 
-    def misfit(self, track: Track, seen: Seen, now_ns: int, range_slack_m: float = math.inf) -> float:
+    def misfit(self, track: Track, seen: Seen, now_ns: int, nearer_slack_m: float = math.inf) -> float:
         """Return how badly a look fits somebody in space: 0 as expected, infinite if it cannot be them.
 
         Args:
             track: Who it may be.
             seen: The look.
             now_ns: Its stamp.
-            range_slack_m: A tighter limit to how far the distance may be off.
+            nearer_slack_m: A tighter limit to how much nearer than expected they may be.
         """
         c = self.config
         expected, found = track.expected_m(now_ns, c.coast_s), seen.position_m
         age_s = track.age_s(now_ns)
         distance, measured = float(np.linalg.norm(expected)), float(np.linalg.norm(found))
         drift = min(c.range_drift_m_s * age_s, c.most_drift_m)
-        deep = min(c.range_slack_m + c.range_slack_share * distance + drift, range_slack_m)
+        deep = c.range_slack_m + c.range_slack_share * distance + drift
+        if measured < distance:
+            deep = min(deep, nearer_slack_m)
         wide = c.side_slack_m + c.side_speed_m_s * min(age_s, 0.1)
         wide += min(c.side_drift_m_s * max(age_s - 0.1, 0.0), c.most_drift_m)
         off_deep = abs(measured - distance)
@@ -248,7 +250,14 @@ class People:
         return track
 
     def update(
-        self, track: Track, seen: Seen, now_ns: int, *, learn: bool = True, hidden: bool = False
+        self,
+        track: Track,
+        seen: Seen,
+        now_ns: int,
+        *,
+        learn: bool = True,
+        hidden: bool = False,
+        touched: bool = False,
     ) -> None:
         """Take a look as somebody's.
 
@@ -259,20 +268,24 @@ class People:
             learn: Whether size and clothes are learned from it: not if somebody else is close.
             hidden: Whether a part of them is hidden. Whoever hides them lends their depth then: only the
                 direction is taken over, not the distance, and nothing is learned about speed.
+            touched: Whether somebody begins to hide them, or ceases to: the distance is taken over no faster
+                than people run, and nothing is learned about speed.
         """
         age_s = track.age_s(now_ns)
         position = seen.position_m
-        if hidden:
+        if hidden or touched:
+            measured = max(float(np.linalg.norm(position)), 1e-6)
             distance = float(np.linalg.norm(track.expected_m(now_ns, self.config.coast_s)))
-            position = position * (distance / max(float(np.linalg.norm(position)), 1e-6))
-        if 0.0 < age_s < 1.0 and not hidden:
+            most = 0.0 if hidden else _FASTEST_M_S * max(age_s, 0.0)
+            position = position * (distance + min(max(measured - distance, -most), most)) / measured
+        elif 0.0 < age_s < 1.0:
             expected = track.expected_m(now_ns, self.config.coast_s)
             share = 1.0 - math.exp(-age_s / _LEARN_VELOCITY_S)
             surprise = (seen.position_m - expected) / age_s
             track.velocity_m_s = track.velocity_m_s + share * surprise
             speed = float(np.linalg.norm(track.velocity_m_s))
             track.velocity_m_s *= min(1.0, _FASTEST_M_S / max(speed, 1e-6))
-        elif age_s >= 1.0:
+        if age_s >= 1.0:
             track.velocity_m_s = np.zeros(3)
         track.position_m, track.seen_ns = position, now_ns
         track.seen, track.region = seen, seen.region

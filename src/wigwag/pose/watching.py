@@ -64,6 +64,9 @@ class WatchConfig:
     """While somebody is the operator, one region is searched for newcomers in every so many frames ..."""
     unengaged_every: int = 5
     """... and in every so many frames, while nobody is but somebody is there."""
+    stale_s: float = 0.5
+    """Whoever was not seen for so long is detected anew around where they should be: one run of the landmark
+    network in a region of long ago shows a crooked body, which looks like somebody else."""
     doubtful: float = 0.6
     """An operator of a lower ``Body.clarity`` is detected anew in every third frame."""
     patience_frames: int = 2
@@ -162,7 +165,11 @@ class Watcher:
         track.looked_ns = frame.stamp_ns
         coast_s = self._people.config.coast_s
         region = track.expected_region(frame.stamp_ns, coast_s, frame.intrinsics)
-        sighting = eyes.follow(frame.rgb, region)
+        if track.age_s(frame.stamp_ns) > self.config.stale_s:
+            found = eyes.find(frame.rgb, [region.wider(AROUND)])
+            sighting = found[0] if found else None
+        else:
+            sighting = eyes.follow(frame.rgb, region)
         if sighting is not None:
             self._take(sighting, frame)
 

@@ -25,7 +25,7 @@ ACCEPTED, BUSY, DENIED, UNSUPPORTED, FAILED = 0, 1, 2, 3, 4
 _STEP_S = 0.01
 _SENT = {
     0: "heartbeat", 1: "sys_status", 24: "gps_raw_int", 30: "attitude", 32: "local_position_ned",
-    33: "global_position_int", 245: "extended_sys_state",
+    33: "global_position_int", 162: "fence_status", 245: "extended_sys_state",
 }  # fmt: skip
 
 
@@ -219,7 +219,7 @@ class FakeAutopilot(ABC):
         match command:
             case 511:
                 name = int(message.param1)
-                if name not in _SENT:
+                if name not in _SENT or (name == 162 and self.kind == 12):
                     return UNSUPPORTED
                 self._intervals[name] = message.param2 * 1e-6 if message.param2 > 0 else math.inf
                 return ACCEPTED
@@ -290,7 +290,7 @@ class FakeAutopilot(ABC):
 
     def _send_heartbeat(self) -> None:
         base = 1 | (128 if self.armed else 0)
-        status = 5 if self.critical else 4 if self.armed else 3
+        status = 5 if self.critical or (self.armed and self.faults.warning) else 4 if self.armed else 3
         self._post(self._coder.heartbeat_encode(2, self.kind, base, self.mode, status))
 
     def _send_sys_status(self) -> None:
@@ -328,6 +328,10 @@ class FakeAutopilot(ABC):
             self.boot_ms, 473_977_420, 85_455_940, round(amsl * 1e3), round((amsl - self._home_m) * 1e3),
             0, 0, 0, round(np.degrees(yaw) * 100) % 36_000,
         ))  # fmt: skip
+
+    def _send_fence_status(self) -> None:
+        outside = self._outside()
+        self._post(self._coder.fence_status_encode(int(outside), int(outside), 3 if outside else 0, 0))
 
     def _send_extended_sys_state(self) -> None:
         landed = 1 if self.airframe.on_ground else 3 if self._target_m else 4 if self._landing else 2

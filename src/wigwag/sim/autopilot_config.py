@@ -19,6 +19,8 @@ class Faults:
     """Sends nothing at all; goes on hearing."""
     frozen: bool = False
     """Repeats its last position, with time going on."""
+    warning: bool = False
+    """Says critical because something is amiss, and does nothing about it."""
     system: int | None = None
     """System id it sends under, instead of its own."""
 

@@ -26,6 +26,7 @@ class FakePx4(FakeAutopilot):
         "COM_OBL_RC_ACT": (5, 6), "COM_OF_LOSS_T": (1.0, 9), "COM_RCL_EXCEPT": (0, 6), "NAV_DLL_ACT": (0, 6),
         "NAV_RCL_ACT": (2, 6), "RTL_RETURN_ALT": (30.0, 9), "GF_MAX_HOR_DIST": (50.0, 9),
         "GF_MAX_VER_DIST": (30.0, 9), "GF_ACTION": (2, 6),
+        "COM_DISARM_LAND": (2.0, 9),
     }  # fmt: skip
     sends_unasked = {  # noqa: RUF012
         0: 1.0, 1: 1.0, 24: 1.0, 30: 10.0, 32: 5.0, 33: 2.0, 245: 1.0,
@@ -160,7 +161,7 @@ class FakeArduPilot(FakeAutopilot):
             return
         outside = self._outside() and bool(self.parameters["FENCE_ENABLE"][0])
         if outside and not self._breached:
-            self.mode, self.critical = self.RTL, True
+            self.mode = self.RTL  # and does not call that critical (Copter::any_failsafe_triggered)
             self.say("Fence Breached")
         self._breached = outside
         stations = [at for at, system, _ in self.heartbeats if system == 255]

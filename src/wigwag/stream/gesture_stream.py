@@ -13,7 +13,7 @@ from wigwag.skeleton import Clip, Pose
 from wigwag.stream.config import StreamConfig
 from wigwag.stream.prefix import Memory, PrefixModel
 from wigwag.stream.speaker import Look, Speaker, Thresholds
-from wigwag.stream.sureness import Sureness
+from wigwag.stream.sureness import Sureness, doubted
 from wigwag.stream.watcher import Hypothesis, WatchConfig, Watcher
 
 TAUGHT = "taught_"
@@ -40,7 +40,7 @@ class StreamModel:
         times = math.exp(-nearness)
         return Look(
             label,
-            float(self.sureness.probability(signs)),
+            float(doubted(self.sureness.probability(signs), self.prefixes.doubts[decided])),
             float(signs[3]),
             hypothesis.onset_ns,
             hypothesis.now_ns,
@@ -57,6 +57,7 @@ class StreamModel:
             "commands": self.config.commands,
             "earliness": self.config.earliness,
             "false_per_hour": self.config.false_per_hour,
+            "strange": self.config.strange,
             "postures": self.config.watch.motion.postures,
         }
         store.write(path, "StreamModel", facts, self.prefixes.arrays() | self.sureness.arrays())
@@ -77,6 +78,7 @@ class StreamModel:
                 None if commands is None else tuple(commands),
                 float(facts["earliness"]),
                 float(facts["false_per_hour"]),
+                bool(facts.get("strange", False)),  # files of before had no such setting
                 watch,
             )
             return cls(

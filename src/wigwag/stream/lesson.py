@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
+from wigwag.errors import InputError
 from wigwag.recognise.similarity import Sides
 from wigwag.skeleton import Clip, Pose
 from wigwag.stream.assemble import at_rate
@@ -18,7 +20,8 @@ from wigwag.stream.prefix import NOTHING, Memory, PrefixModel, Shares
 from wigwag.stream.rehearse import Rehearsal, choose, limits_of
 from wigwag.stream.sureness import Sureness
 from wigwag.stream.ticks import RATE_HZ
-from wigwag.stream.truth import LabelledStream, Meaning, Showing, meaning, with_onsets
+from wigwag.stream.truth import LabelledStream, Meaning, Showing, meaning
+from wigwag.stream.untaught import TAUGHT, Untaught
 from wigwag.stream.watcher import Hypothesis, WatchConfig, Watcher
 
 Origin = Literal["start", "drift"]
@@ -41,6 +44,8 @@ class Looked:
 
     hypothesis: Hypothesis
     meaning: Meaning
+    group: int
+    """Which gestures are left out where this one is to be one that nobody taught."""
     sides: Sides
 
 
@@ -51,6 +56,9 @@ class Lesson:
         streams: With their truth.
         origin: Of the canonical form.
         seed: Of what is drawn.
+
+    Raises:
+        InputError: If a showing is an action point, which has no beginning.
     """
 
     def __init__(self, streams: Sequence[LabelledStream], origin: Origin = "start", seed: int = 0) -> None:
@@ -58,17 +66,19 @@ class Lesson:
         self.rng = np.random.default_rng([0x1E55, seed])
         self.seed = seed
         self.model = PrefixModel(origin)
-        self.truth: list[tuple[Showing, ...]] = []
-        for one in self.streams:
-            showings = one.showings
-            if any(showing.is_point for showing in showings):
-                showings = with_onsets(showings, [h for h, _ in watch(one.stream)])
-            self.truth.append(showings)
+        self.truth = [one.showings for one in self.streams]
+        if any(showing.is_point for truth in self.truth for showing in truth):
+            raise InputError(
+                "teach_stream needs to know where gestures begin and end, but a showing is an action point; "
+                "teach those with teach_moments."
+            )
         self.fold = self._folds()
 
     def learn(self, config: StreamConfig) -> StreamModel:
         """Teach everything."""
         owners = self._refer()
+        commands = config.commands if config.strange else None
+        self.untaught = Untaught(self.model.labels, commands, np.random.default_rng(self.seed))
         looked: list[list[Looked]] = [[] for _ in self.streams]
         judged: list[int] = []
         for number in self._order(config):
@@ -82,9 +92,10 @@ class Lesson:
             one.signs[:, 4] += np.log(typical[one.decided])
         self.model.typical = typical
         sureness, probabilities = self._be_sure(rehearsals)
-        thresholds, config = choose(rehearsals, probabilities, self.model.labels, config)
+        choice = choose(rehearsals, probabilities, self.model.labels, config)
+        self.model.doubts = choice.doubts
         self.model.limits = limits_of(rehearsals, len(self.model.labels))
-        return StreamModel(self.model, sureness, thresholds, config)
+        return StreamModel(self.model, sureness, choice.thresholds, config)
 
     def _folds(self) -> Int[np.ndarray, " streams"]:
         """Part streams by people into those that are left out together."""
@@ -117,7 +128,12 @@ class Lesson:
         """Watch one stream and keep a share of what is looked at."""
         truth = self.truth[number]
         return [
-            Looked(h, meaning(h, truth), [side.astype(np.float16) for side in self.model.sides(clip)])
+            Looked(
+                h,
+                meaning(h, truth),
+                self.untaught.of(h, truth),
+                [side.astype(np.float16) for side in self.model.sides(clip)],
+            )
             for h, clip in watch(self.streams[number].stream)
             if share == 1.0 or self.rng.random() < share
         ]
@@ -128,7 +144,7 @@ class Lesson:
         return self.model.labels.index(self.truth[stream][one.meaning.showing].label)
 
     def _teach(self, looked: Sequence[list[Looked]], owners: Int[np.ndarray, " references"]) -> None:
-        """Learn from some of all stretches, with all people and with each fold left out."""
+        """Learn from some of all stretches: from all, and with each fold and each group left out."""
         gestures: list[tuple[int, int]] = []
         nothing: list[tuple[int, int]] = []
         for stream, looks in enumerate(looked):
@@ -139,19 +155,27 @@ class Lesson:
         some += [nothing[int(i)] for i in self.rng.permutation(len(nothing))[:_MOST_NOTHING]]
         numbers = np.array([self._number(s, looked[s][i]) for s, i in some])
         progress = np.array([looked[s][i].meaning.progress for s, i in some])
-        folds = self.fold[[s for s, _ in some]]
-        shares = Shares(len(self.model.numbers) * len(self.model.similar.kinds), len(self.model.labels))
-        for fold in range(_MOST_FOLDS):
-            rows = np.flatnonzero(folds == fold)
-            features = self._features([looked[some[r][0]][some[r][1]] for r in rows])
-            shares.add(features, numbers[rows], progress[rows])
-        self.model.weights = shares.solve()
+        parts = [(int(self.fold[s]), looked[s][i].group) for s, i in some]
         views = len(self.model.similar.kinds)
-        self.without = {
-            fold: shares.solve(fold, np.repeat(owners != fold, views))
-            for fold in range(_MOST_FOLDS)
-            if (owners != fold).any()
-        }
+        shares = Shares(len(self.model.numbers) * views, len(self.model.labels))
+        for part in sorted(set(parts)):
+            rows = [r for r, mine in enumerate(parts) if mine == part]
+            features = self._features([looked[some[r][0]][some[r][1]] for r in rows])
+            shares.add(part, features, numbers[rows], progress[rows])
+        self.model.weights = shares.solve()
+        self.without: dict[tuple[int, int], np.ndarray] = {}
+        for fold, group in product(range(_MOST_FOLDS), range(TAUGHT, self.untaught.count)):
+            kept = self._allowed(fold, group, owners)
+            if kept.any():
+                out = None if group == TAUGHT else group
+                self.without[fold, group] = shares.solve(fold, out, np.repeat(kept, views))
+
+    def _allowed(
+        self, fold: int, group: int, owners: Int[np.ndarray, " references"]
+    ) -> Bool[np.ndarray, " references"]:
+        """Say which references are left when a fold's people and a group of gestures are left out."""
+        groups = self.untaught.of_label[self.model.numbers]
+        return np.asarray((owners != fold) & ((groups != group) | (group == TAUGHT)))
 
     def _features(self, looks: Sequence[Looked]) -> Float[np.ndarray, "rows features"]:
         similar = self.model.similar
@@ -163,22 +187,26 @@ class Lesson:
     def _rehearse(
         self, looked: dict[int, list[Looked]], owners: Int[np.ndarray, " references"]
     ) -> list[Rehearsal]:
-        """Look at streams with what others have taught."""
+        """Look at streams with what others have taught, who know commands and what is shown no more of."""
         rehearsals = []
         for stream, looks in looked.items():
             fold = int(self.fold[stream])
-            if not looks or fold not in self.without:
+            if not looks or (fold, TAUGHT) not in self.without:
                 continue
-            memory = Memory.empty()
-            allowed, weights = owners != fold, self.without[fold]
+            memories: dict[int, Memory] = {}
+            allowed = {g: self._allowed(fold, g, owners) for g in range(TAUGHT, self.untaught.count)}
             decided, signs = np.empty(len(looks), dtype=np.int64), []
             for i, one in enumerate(looks):
+                group = one.group if (fold, one.group) in self.without else TAUGHT
                 distances = self.model.similar.distances(_full(one.sides))
+                weights = self.without[fold, group]
                 scores = (self.model.similar.features(distances) @ weights).astype(np.float64)
-                found = self.model.evidence(one.hypothesis, distances, scores, memory, allowed)
+                memory = memories.setdefault(group, Memory.empty())
+                found = self.model.evidence(one.hypothesis, distances, scores, memory, allowed[group])
                 decided[i] = found[0]
                 signs.append(found[1])
             right = np.array([self._number(stream, one) == d for one, d in zip(looks, decided, strict=True)])
+            unknown = np.array([one.group != TAUGHT for one in looks])
             rehearsals.append(
                 Rehearsal(
                     fold,
@@ -187,8 +215,8 @@ class Lesson:
                     [one.hypothesis for one in looks],
                     np.stack(signs),
                     decided,
-                    right,
-                    np.array([one.meaning.doubtful for one in looks]),
+                    right & ~unknown,
+                    np.array([one.meaning.doubtful for one in looks]) & ~unknown,
                 )
             )
         return rehearsals

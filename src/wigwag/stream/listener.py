@@ -10,6 +10,7 @@ from wigwag.stream.spot import Recogniser, SpotConfig, Spotter
 
 if TYPE_CHECKING:
     from wigwag.stream.gesture_stream import StreamModel
+    from wigwag.stream.moments import MomentModel
 
 
 class Listener(Protocol):
@@ -24,14 +25,15 @@ class Listener(Protocol):
         ...
 
 
-def listening(taught: StreamModel | Recogniser, config: SpotConfig | None = None) -> Listener:
+def listening(taught: StreamModel | MomentModel | Recogniser, config: SpotConfig | None = None) -> Listener:
     """Let what was taught hear a stream.
 
     Args:
-        taught: A model of streams; or a recogniser of whole clips, which hears what a
+        taught: A model of streams, or of moments in them; or a recogniser of whole clips, which hears what a
             :class:`~wigwag.stream.spot.Spotter` cuts out, once it is over.
         config: The spotter's.
     """
     from wigwag.stream.gesture_stream import StreamModel
+    from wigwag.stream.moments import MomentModel
 
-    return taught.stream() if isinstance(taught, StreamModel) else Spotter(taught, config)
+    return taught.stream() if isinstance(taught, StreamModel | MomentModel) else Spotter(taught, config)

@@ -88,6 +88,7 @@ class PrefixModel:
         self.names = [clip.name for clip in clips]
         self.typical = np.ones(len(self.labels))
         self.limits = np.full(len(self.labels), np.inf)
+        self.doubts = np.zeros(len(self.labels))
         self.weights = np.zeros((0, len(self.labels) + 2), dtype=np.float32)
 
     def sides(self, clip: Clip) -> Sides:
@@ -117,11 +118,13 @@ class PrefixModel:
     ) -> Evidence:
         """Return the same from distances and scores; references that are not allowed do not count."""
         classes = len(self.labels)
-        decided = int(scores[:classes].argmax())
-        second = np.delete(scores[:classes], decided).max(initial=-1.0)
+        named = scores[:classes]
         relative = self.similar.relative(distances).sum(axis=1)
         if allowed is not None:
             relative = np.where(allowed, relative, np.inf)
+            named = np.where(np.bincount(self.numbers[allowed], minlength=classes) > 0, named, -np.inf)
+        decided = int(named.argmax())
+        second = np.delete(named, decided).max(initial=-1.0)
         same = self.numbers == decided
         nearest = int(np.where(same, relative, np.inf).argmin())
         near = max(float(relative[nearest]), 1e-9)
@@ -149,6 +152,7 @@ class PrefixModel:
             "numbers": self.numbers,
             "typical": self.typical,
             "limits": self.limits,
+            "doubts": self.doubts,
         }
         return own | self.similar.arrays()
 
@@ -159,12 +163,13 @@ class PrefixModel:
         self.labels, self.names = tuple(facts["labels"]), list(facts["names"])
         self.weights, self.numbers = arrays["weights"], arrays["numbers"]
         self.typical, self.limits = arrays["typical"], arrays["limits"]
+        self.doubts = arrays.get("doubts", np.zeros(len(self.labels)))  # files of before had none
         self.similar.restore(arrays)
         return self
 
 
 class Shares:
-    """Ridge regression from sums over groups of rows, so that each group can be left out at no cost.
+    """Ridge regression from sums over parts of the rows, so that parts can be left out at no cost.
 
     Args:
         features: How many there are.
@@ -173,18 +178,20 @@ class Shares:
 
     def __init__(self, features: int, classes: int) -> None:
         self.features, self.classes = features, classes
-        self._gestures: list[_Sums] = []
-        self._all: list[_Sums] = []
+        self._gestures: dict[int, _Sums] = {}
+        self._all: dict[tuple[int, int], _Sums] = {}
 
     def add(
         self,
+        part: tuple[int, int],
         features: Float[np.ndarray, "rows features"],
         numbers: Int[np.ndarray, " rows"],
         progress: Float[np.ndarray, " rows"],
     ) -> None:
-        """Add a group of stretches.
+        """Add a part, once.
 
         Args:
+            part: Whose stretches they are, and which gestures they are of.
             features: Similarities to the references.
             numbers: Which gesture each is; ``NOTHING``: none.
             progress: How much of it has passed; not looked at where it is none.
@@ -192,27 +199,31 @@ class Shares:
         targets = np.full((len(features), self.classes + 1), -1.0, dtype=np.float32)
         targets[np.arange(len(features)), np.where(numbers == NOTHING, self.classes, numbers)] = 1.0
         gesture = numbers != NOTHING
-        self._all.append(_Sums.of(features, targets))
+        self._all[part] = _Sums.of(features, targets)
         passed = (progress[gesture, None] - _MIDDLE).astype(np.float32)
-        self._gestures.append(_Sums.of(features[gesture], passed))
+        mine = _Sums.of(features[gesture], passed)
+        before = self._gestures.get(part[0])
+        self._gestures[part[0]] = mine if before is None else before.plus(mine)
 
     def solve(
-        self, without: int | None = None, kept: Bool[np.ndarray, " features"] | None = None
+        self,
+        fold: int | None = None,
+        group: int | None = None,
+        kept: Bool[np.ndarray, " features"] | None = None,
     ) -> Float[np.ndarray, "features targets"]:
         """Return a target a class, one for 'nothing', and progress, which is learned from gestures alone.
 
         Args:
-            without: A group to be left out.
+            fold: People to be left out.
+            group: Gestures to be left out; what progress is, they may tell all the same.
             kept: Features to be used; the others have no weight.
         """
         kept = np.ones(self.features, dtype=bool) if kept is None else kept
         weights = np.zeros((self.features, self.classes + 2), dtype=np.float32)
-        parts = ((self._all, RIDGE), (self._gestures, _PROGRESS_RIDGE))
+        every = [sums for part, sums in self._all.items() if part[0] != fold and part[1] != group]
+        gestures = [sums for of, sums in self._gestures.items() if of != fold]
         weights[kept] = np.hstack(
-            [
-                _solution([g for i, g in enumerate(groups) if i != without], kept, ridge)
-                for groups, ridge in parts
-            ]
+            [_solution(every, kept, RIDGE, self.classes + 1), _solution(gestures, kept, _PROGRESS_RIDGE, 1)]
         )
         return weights
 
@@ -230,11 +241,16 @@ class _Sums:
         """Sum over rows."""
         return cls(len(features), features.T @ features, features.T @ targets)
 
+    def plus(self, other: _Sums) -> _Sums:
+        """Add other rows."""
+        return _Sums(self.rows + other.rows, self.gram + other.gram, self.right + other.right)
 
-def _solution(groups: Sequence[_Sums], kept: np.ndarray, ridge: float) -> np.ndarray:
+
+def _solution(groups: Sequence[_Sums], kept: np.ndarray, ridge: float, targets: int) -> np.ndarray:
     gram = np.zeros((int(kept.sum()), int(kept.sum())))
+    right = np.zeros((len(gram), targets))
     for group in groups:
         gram += group.gram[np.ix_(kept, kept)]
+        right += group.right[kept]
     gram[np.diag_indices(len(gram))] += ridge * max(sum(group.rows for group in groups), 1)
-    right = np.sum([group.right[kept] for group in groups], axis=0, dtype=np.float64)
     return np.asarray(cho_solve(cho_factor(gram, lower=True, overwrite_a=True), right))

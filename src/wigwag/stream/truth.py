@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -24,9 +24,6 @@ ENOUGH = 0.35
 TOO_MUCH = 1.25
 """A stretch longer than this share of a gesture holds more than it."""
 
-_BEFORE_POINT_S = (0.35, 2.5)
-"""How long before an action point its gesture may begin."""
-
 
 @dataclass(frozen=True, slots=True)
 class Showing:
@@ -39,10 +36,8 @@ class Showing:
     label: str
     onset_ns: int
     end_ns: int
-    """The same as the onset for an action point: the moment at which the gesture is to be recognised. When
-    it began is then taken from the movement before it."""
-    exact: bool = False
-    """Whether to be recognised at its end, neither before nor after; so are action points."""
+    """The same as the onset for an action point: the moment at which the gesture is to be recognised. Such
+    are taught by :func:`~wigwag.stream.teach_moments.teach_moments`."""
 
     def __post_init__(self) -> None:
         """Check the order."""
@@ -65,26 +60,6 @@ class LabelledStream:
     stream: Clip
     """With ``subject`` set: how sure to be is learned by leaving people out."""
     showings: tuple[Showing, ...] = ()
-
-
-def with_onsets(showings: Sequence[Showing], seen: Sequence[Hypothesis]) -> tuple[Showing, ...]:
-    """Give action points the onset of the movement before them: the stillest moment that was looked at.
-
-    Args:
-        showings: Gestures; those that are no action points stay as they are.
-        seen: What was looked at in the stream.
-    """
-    onsets = np.array([h.onset_ns for h in seen])
-    still = np.array([h.still_m_s for h in seen])
-    known = []
-    for showing in showings:
-        begin = showing.onset_ns
-        if showing.is_point:
-            low, high = (showing.end_ns - round(s * 1e9) for s in reversed(_BEFORE_POINT_S))
-            inside = np.flatnonzero((onsets >= low) & (onsets <= high)) if len(onsets) else onsets
-            begin = int(onsets[inside[still[inside].argmin()]]) if len(inside) else (low + high) // 2
-        known.append(replace(showing, onset_ns=begin, exact=showing.exact or showing.is_point))
-    return tuple(known)
 
 
 @dataclass(frozen=True, slots=True)

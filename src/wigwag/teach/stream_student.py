@@ -164,7 +164,7 @@ class StreamStudent(Student):
                 stream = Clip(
                     joints[rows].astype(np.float64), stamps[rows], None, one["subject"], str(one["name"])
                 )
-                streams.append(LabelledStream(stream, tuple(Showing(*showing) for showing in one["shown"])))
+                streams.append(LabelledStream(stream, tuple(Showing(*shown[:3]) for shown in one["shown"])))
             return cls(model, streams, int(facts["taught"]["seed"]))
 
     def copy(self) -> Self:
@@ -184,7 +184,7 @@ class StreamStudent(Student):
 
 
 def _facts(one: LabelledStream) -> dict[str, Any]:
-    shown = [[s.label, s.onset_ns, s.end_ns, s.exact] for s in one.showings]
+    shown = [[s.label, s.onset_ns, s.end_ns] for s in one.showings]
     return {
         "rows": len(one.stream), "subject": one.stream.subject, "name": one.stream.name, "shown": shown
     }  # fmt: skip

@@ -11,6 +11,7 @@ import numpy as np
 
 from wigwag.errors import InputError
 from wigwag.fly.values import HOVER, Setpoint, VehicleState
+from wigwag.vehicles.calm import calm
 from wigwag.vehicles.protocol import AIRBORNE, Capabilities, FlightMode
 
 _S = 1_000_000_000
@@ -129,6 +130,7 @@ class StreamedVehicle:
         if self._thread is not None:
             return
         self._middleware.open()
+        calm()
         self._thread = threading.Thread(target=self._send, name="wigwag-ros-send", daemon=True)
         self._thread.start()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import matplotlib as mpl
@@ -16,12 +17,25 @@ from wigwag.recognise.explain import Example, Explanation
 from wigwag.skeleton import BONES, LANDMARKS
 from wigwag.view.plots import BLUE, INK, ORANGE, STYLE
 
-_MOMENTS = 9
-"""Skeletons a row."""
 _ROOM = 0.42
 """Above and below a skeleton, in arm's lengths: for what is written there."""
-_WIDE = 1.44
-"""Width over height of the place where they stand."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Room:
+    """The place where the skeletons stand."""
+
+    moments: int
+    """Skeletons a row."""
+    wide: float
+    """Width over height."""
+    letters: float
+    """Size of what is written there, points."""
+    distance: str
+    """What follows an example's distance."""
+
+
+_FULL = _Room(9, 1.44, 9.5, "times the usual distance")
 _TURN_RAD = 0.5
 """They are drawn from a little beside, so that what moves to and fro is seen."""
 _LEFT, _RIGHT, _MIDDLE = "#2f80d8", "#e0771a", "#4b5a63"
@@ -42,10 +56,10 @@ def figure_of(explained: Explanation, title: str = "") -> Figure:
         rows = 1 + len(explained.nearest)
         grid = figure.add_gridspec(2, 2, width_ratios=(2.6, 1), height_ratios=(1, 1))
         strip = figure.add_subplot(grid[:, 0])
-        _strip(strip, explained, rows)
+        _strip(strip, explained, rows, _FULL)
         _distances(figure.add_subplot(grid[0, 1]), explained)
         _pushes(figure.add_subplot(grid[1, 1]), explained)
-        figure.suptitle(_headline(explained, title), x=0.01, ha="left", fontsize=13, fontweight="bold")
+        figure.suptitle(headline_of(explained, title), x=0.01, ha="left", fontsize=13, fontweight="bold")
         figure.supxlabel("\n".join(_lines(explained)), x=0.01, ha="left", fontsize=9.5, color=INK)
         return figure
 
@@ -66,11 +80,42 @@ def png_of(explained: Explanation, title: str = "", dpi: int = 100) -> bytes:
     return data.getvalue()
 
 
+def narrow_figure_of(explained: Explanation) -> Figure:
+    """Draw it for a column beside something else: fewer moments, one above the other, and no text around."""
+    with mpl.rc_context(STYLE | {"font.size": 8.5}):
+        rows = 1 + len(explained.nearest)
+        strip_in, bars_in = 1.05 * rows, 4.1
+        figure = Figure(figsize=(5.0, strip_in + bars_in))
+        FigureCanvasAgg(figure)
+        share, room = bars_in / (strip_in + bars_in), _Room(6, 5.0 / strip_in, 8.0, "times the usual")
+        _strip(figure.add_axes((0.0, share, 1.0, 1.0 - share)), explained, rows, room)
+        grid = figure.add_gridspec(
+            2, 1, left=0.2, right=0.97, top=0.93 * share, bottom=0.06 * share, hspace=0.65
+        )
+        _distances(figure.add_subplot(grid[0]), explained, 0.14)
+        _pushes(figure.add_subplot(grid[1]), explained)
+        return figure
+
+
+def narrow_png_of(explained: Explanation, dpi: int = 150) -> bytes:
+    """Return the narrow picture as a PNG file's bytes."""
+    data = io.BytesIO()
+    with mpl.rc_context(STYLE):
+        narrow_figure_of(explained).savefig(data, format="png", dpi=dpi)
+    return data.getvalue()
+
+
 def _plainly(label: str | None) -> str:
     return "no gesture" if label is None else label.replace("_", " ")
 
 
-def _headline(explained: Explanation, title: str) -> str:
+def headline_of(explained: Explanation, title: str = "") -> str:
+    """Say what was decided, and how sure it was.
+
+    Args:
+        explained: The decision.
+        title: Stands before it, such as when.
+    """
     said = _plainly(explained.gesture.label)
     if explained.gesture.label is None:
         said += f" (most like {_plainly(explained.label)})"
@@ -84,33 +129,43 @@ def _lines(explained: Explanation) -> list[str]:
     return ["It would have been:", *("   ".join(said[i : i + 2]) for i in range(0, len(said), 2))]
 
 
-def _strip(axes: Any, explained: Explanation, rows: int) -> None:
+def _strip(axes: Any, explained: Explanation, rows: int, room: _Room) -> None:
     """Draw the movement, and below it each example at the moments that DTW lays on it."""
-    moments = np.round(np.linspace(0, len(explained.joints) - 1, _MOMENTS)).astype(int)
+    moments = np.round(np.linspace(0, len(explained.joints) - 1, room.moments)).astype(int)
     everybody = np.concatenate([explained.joints, *(e.joints for e in explained.nearest)])
     below = float(everybody[..., 1].max()) + _ROOM
     high = below - float(everybody[..., 1].min()) + 2 * _ROOM
-    wide, last = _WIDE * rows * high / _MOMENTS, max(len(explained.joints) - 1, 1)
+    wide, last = room.wide * rows * high / room.moments, max(len(explained.joints) - 1, 1)
     lanes = [(f"what was seen, {explained.duration_s:.1f} s", explained.joints, list(moments), INK)]
     for example in explained.nearest:
         colour = _GREEN if example.label == explained.label else _RED
-        lanes.append((_named(example), example.joints, _matched(example.path, moments), colour))
+        lanes.append(
+            (_named(example, room.distance), example.joints, _matched(example.path, moments), colour)
+        )
     for row, (name, joints, frames, colour) in enumerate(lanes):
         foot = (rows - 1 - row) * high
         axes.axhline(foot, color="#e3e9ec", lw=0.8)
         for k, frame in enumerate(frames):
             _skeleton(axes, joints[frame], k * wide, foot + below)
             axes.text(k * wide, foot + 0.05, f"{100 * frame / last:.0f} %", **_SMALL)
-        axes.text(-0.5 * wide, foot + 0.97 * high, name, color=colour, fontsize=9.5, weight="bold", va="top")
-    axes.set_xlim(-0.55 * wide, (_MOMENTS - 0.45) * wide)
+        axes.text(
+            -0.5 * wide,
+            foot + 0.97 * high,
+            name,
+            color=colour,
+            fontsize=room.letters,
+            weight="bold",
+            va="top",
+        )
+    axes.set_xlim(-0.55 * wide, (room.moments - 0.45) * wide)
     axes.set_ylim(-0.05, rows * high)
     axes.set_aspect("equal")
     axes.axis("off")
 
 
-def _named(example: Example) -> str:
+def _named(example: Example, distance: str) -> str:
     label = "" if example.name.startswith(example.label) else f"{example.label}: "
-    return f"{label}{example.name}, {example.times:.2f} times the usual distance".replace("_", " ")
+    return f"{label}{example.name}, {example.times:.2f} {distance}".replace("_", " ")
 
 
 def _matched(path: Int[np.ndarray, "steps 2"], moments: Int[np.ndarray, " moments"]) -> list[int]:
@@ -127,14 +182,15 @@ def _skeleton(axes: Any, joints: Float[np.ndarray, "13 3"], right: float, up: fl
     axes.plot(across[0], up - joints[0, 1], "o", color=_MIDDLE, ms=4)
 
 
-def _distances(axes: Any, explained: Explanation) -> None:
-    """Draw how far the nearest examples are in each view."""
+def _distances(axes: Any, explained: Explanation, below: float = 0.08) -> None:
+    """Draw how far the nearest examples are in each view; and what is what, so far below."""
     shown: list[Example] = [explained.nearest[0]]
     shown += [e for e in explained.nearest if e.label != explained.label][:1]
     _bars(
         axes, explained.views, [e.by_view for e in shown], [_GREEN, _RED],
         [f"nearest {_plainly(e.label)}" for e in shown],
     )  # fmt: skip
+    axes.legend(frameon=False, fontsize=8.5, loc="upper center", bbox_to_anchor=(0.4, -below), ncols=2)
     axes.axvline(1.0, color=INK, ls=":", lw=1)
     axes.set_title("Distance by view (1: any two examples)", fontsize=9.5)
 
@@ -164,7 +220,6 @@ def _bars(
         axes.barh(at, values, height=0.9 * height, color=colour, label=label)
     axes.set_yticks(range(len(names)), names)
     axes.invert_yaxis()
-    axes.legend(frameon=False, fontsize=8.5, loc="upper center", bbox_to_anchor=(0.4, -0.08), ncols=2)
 
 
-__all__ = ["figure_of", "png_of", "svg_of"]
+__all__ = ["figure_of", "headline_of", "narrow_figure_of", "narrow_png_of", "png_of", "svg_of"]

@@ -13,6 +13,7 @@ from wigwag.pilot import Pilot, Step
 from wigwag.pose.estimator import PoseEstimator
 from wigwag.skeleton import Pose
 from wigwag.view.console.desk import Desk, Showing
+from wigwag.view.console.values import Ask, Lesson
 
 if TYPE_CHECKING:
     from wigwag.view.rerun import RerunView
@@ -99,6 +100,14 @@ class Onlookers:
         """Return what the pilot is to be asked with the next turn."""
         return None if self._desk is None else self._desk.asked()
 
+    def lessons(self) -> list[Ask]:
+        """Return what was asked for of lessons, up to the last call of ``asked``."""
+        if self._desk is None:
+            return []
+        asks = list(self._desk.lessons)
+        self._desk.lessons.clear()
+        return asks
+
     @property
     def trouble(self) -> str:
         """Why the page is gone; empty: it is there, or nobody asked for one."""
@@ -133,6 +142,7 @@ class Onlookers:
         *,
         latency_s: float | None = None,
         trouble: str = "",
+        lesson: Lesson | None = None,
     ) -> None:
         """Show a turn of a loop in which nothing flies.
 
@@ -143,9 +153,10 @@ class Onlookers:
             pose_s: Processor seconds for finding it.
             latency_s: From the frame's stamp to its pose; ``None``: time is not now.
             trouble: What is wrong with the camera.
+            lesson: What is being taught.
         """
         if self._desk is not None:
-            self._desk.show_watched(frame, pose, now_ns, pose_s, trouble)
+            self._desk.show_watched(frame, pose, now_ns, pose_s, trouble, lesson=lesson)
         if self.rerun is not None and frame is not None:
             self._picture(frame)
             figures = {"pose_ms": 1e3 * pose_s}

@@ -153,7 +153,8 @@ def test_nobody_stands_on_both_sides(two_classes: list[Lesson]) -> None:
         two_classes.clear()
         rows = run("deaf", "utd-mhad", "utkinect", "simulated", inner=inner, rounds=1)
         for fold, given in zip(folds(material(), inner), two_classes, strict=True):
-            people = {c.subject for c in (*given.gestures, *given.others, *given.background)}
+            clips = (*given.gestures, *given.others, *given.background, *given.deliberate)
+            people = {c.subject for c in clips}
             people |= {r.stream.subject for r in given.streams}
             assert not people & {*fold.judged, *fold.everyday_judged}
             assert {p for p in people if str(p).startswith("s")} == set(fold.taught)
@@ -215,10 +216,22 @@ def test_faults_are_counted_and_exceptions_do_not_stop_it() -> None:
         watch(Broken(), stream, poses)
 
 
+def test_a_record_is_there_before_the_next_is_begun() -> None:
+    steps: list[str] = []
+    config = StreamBenchmarkConfig("6", rounds=1, lesson_rounds=1, corrupt=("nan",))
+    for row in run_system(
+        material(), "arms", ["utd-mhad", "utkinect"], config, lambda what, done, total: steps.append(what)
+    ):
+        steps.append(f"{row['data']} {row['corrupt']}")
+    first = steps.index("utd-mhad None")
+    assert steps[first + 1] == "utd-mhad nan"
+    assert all(step.startswith("utkinect") for step in steps[first + 2 :])
+
+
 def test_what_is_not_there_is_said() -> None:
     with pytest.raises(DataError, match="precog: nothing was read that could be shown"):
         run("deaf", "precog")
-    with pytest.raises(InputError, match=r"no system 'oracle'\. Available systems: stream, spotter"):
+    with pytest.raises(InputError, match=r"no system 'oracle'\. Available systems: stream, "):
         run("oracle", "utd-mhad")
     with pytest.raises(InputError, match="rounds must be 1 or more"):
         StreamBenchmarkConfig(rounds=0)
@@ -253,6 +266,9 @@ def test_action_points_are_judged_by_their_moment() -> None:
     assert rows["msrc12, judged only"]["people"] == 5
     assert rows["msrc12"]["events"] == 30
     assert rows["msrc12"]["event_f1"] is None
+    assert [said.partition(":")[0] for said in rows["msrc12"]["action_point_f1_of"]] == [
+        f"fold {number}" for number in range(1, 6)
+    ]
     assert 0.5 < rows["msrc12"]["action_point_f1"] <= 1
     assert rows["msrc12"]["false_positive_rate"] == pytest.approx(1 - rows["msrc12"]["detection_rate"])
 
@@ -312,6 +328,21 @@ def test_background_holds_nothing_that_is_a_gesture_by_another_name() -> None:
     made, left = own_lesson(material(), folds(material(), False)[0], CLASSES, "s2", trial=9)
     assert [c.name for c in made.gestures] == ["a1_s2_t1", "a6_s2_t1"], "the first, where there are fewer"
     assert len(left) == 4
+
+
+def test_deliberate_movement_that_is_no_command_is_of_people_who_may_teach() -> None:
+    everyone = material()
+    for number in (3, 6, 12):
+        for gesture in ("g2", "g4"):
+            name = f"msrc12_p{number:02}"
+            stream = replace(walk(name, 4.0), name=f"{name} {gesture}")
+            scene = Mark(f"msrc12:{gesture}", 0, int(stream.stamps_ns[-1]))
+            everyone.streams.setdefault("msrc12", []).append(Recording(stream, (), (scene,)))
+    fold = folds(everyone, False)[0]
+    ducking = [c.name for c in lesson(everyone, fold, ("a1", "a6"), rounds=1).deliberate]
+    assert ducking == ["msrc12_p06 g2", "msrc12_p06 g4", "msrc12_p12 g2", "msrc12_p12 g4"]
+    squatting = [c.name for c in lesson(everyone, fold, ("a1", "a27"), rounds=1).deliberate]
+    assert squatting == ["msrc12_p06 g4", "msrc12_p12 g4"], "who ducks squats: a27"
 
 
 def test_reading_takes_what_is_there(tmp_path: Path) -> None:

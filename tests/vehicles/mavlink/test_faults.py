@@ -213,12 +213,15 @@ def test_a_hold_that_is_denied_is_told_and_asked_for_again():
     flight = steered(FakePx4(), AHEAD)
     flight.fake.faults.deny.add(SET_MODE)
     assert flight.vehicle.hold()
-    flight.turns(1.0)
-    assert "denied" in flight.vehicle.state.denied
+    flight.turns(0.3)
+    for _ in range(30):  # it is asked again and again, and what was refused stays said meanwhile
+        flight.turn()
+        assert "denied" in flight.vehicle.state.denied
     assert flight.speed_m_s < 0.1  # it stands still meanwhile
     flight.fake.faults.deny.clear()
     assert flight.vehicle.hold()
     flight.until(FlightMode.HOLDING, 1.0)
+    assert flight.vehicle.state.denied == ""
 
 
 def test_a_position_that_freezes_grows_old_though_messages_go_on(fake):
@@ -281,6 +284,55 @@ def test_a_pilot_who_has_it_return_land_or_hold_is_not_fought_either(mode):
         assert not flight.vehicle.hold()
         flight.turns(1.0, AHEAD)
         assert fake.mode == getattr(fake, name)
+
+
+@pytest.mark.parametrize("mode", ["sticks", "RETURN", "LAND"])
+def test_a_pilot_who_takes_over_because_of_a_warning_is_a_pilot(fake, mode):
+    """PX4 goes on saying critical once a pilot took over (FailsafeBase::inFailsafe): that is no failsafe."""
+    flight = steered(fake, AHEAD)
+    fake.faults.warning = True
+    flight.turns(1.5, AHEAD)
+    assert flight.vehicle.mode is FlightMode.STEERED and not flight.vehicle.state.healthy
+    name = "RTL" if mode == "RETURN" and isinstance(fake, FakeArduPilot) else mode
+    chosen = sticks(fake) if mode == "sticks" else getattr(fake, name)
+    fake.pilot(chosen)
+    flight.turns(2.0, AHEAD)
+    assert flight.vehicle.mode is FlightMode.MANUAL
+    assert not flight.vehicle.hold() and not flight.vehicle.land()
+    flight.turns(1.0, AHEAD)
+    assert fake.mode == chosen
+
+
+def test_sticks_are_a_pilots_even_if_the_warning_comes_up_with_them(fake):
+    flight = steered(fake, AHEAD)
+    fake.faults.warning = True
+    fake.pilot(sticks(fake))
+    flight.turns(2.0, AHEAD)
+    assert flight.vehicle.mode is FlightMode.MANUAL and not flight.vehicle.hold()
+
+
+def test_a_failsafe_that_leads_to_the_next_is_one(fake):
+    flight = steered(fake, AHEAD)
+    fake.critical, fake.mode = True, FakePx4.HOLD if isinstance(fake, FakePx4) else FakeArduPilot.BRAKE
+    flight.turns(3.0, AHEAD)
+    assert flight.vehicle.mode is FlightMode.FAILSAFE
+    fake.mode = FakePx4.RETURN if isinstance(fake, FakePx4) else FakeArduPilot.RTL
+    flight.turns(2.0, AHEAD)
+    assert flight.vehicle.mode is FlightMode.FAILSAFE
+    assert flight.vehicle.hold(), "an operator's stop is passed on"
+
+
+def test_a_fence_that_was_met_long_ago_does_not_make_a_pilot_a_failsafe():
+    fake = FakeArduPilot(FakeConfig(radius_m=6.0))
+    fake.parameters["FENCE_ENABLE"] = (1, 2)
+    flight = steered(fake, AHEAD)
+    flight.turns(6.0, AHEAD)
+    assert flight.vehicle.mode is FlightMode.FAILSAFE
+    fake.pilot(FakeArduPilot.GUIDED)
+    flight.turns(3.0)
+    fake.pilot(FakeArduPilot.RTL)
+    flight.turns(2.0)
+    assert flight.vehicle.mode is FlightMode.MANUAL
 
 
 def test_a_pilot_gives_it_back_by_choosing_the_mode_that_listens():

@@ -144,7 +144,7 @@ def test_settings_are_read_and_warned_about():
     px4, ardupilot = FakePx4(), FakeArduPilot()
     px4.parameters |= {
         "COM_OBL_RC_ACT": (3, 6), "COM_OF_LOSS_T": (4.0, 9), "COM_RCL_EXCEPT": (4, 6), "NAV_RCL_ACT": (1, 6),
-        "GF_ACTION": (0, 6),
+        "GF_ACTION": (0, 6), "COM_DISARM_LAND": (-1.0, 9),
     }  # fmt: skip
     del px4.parameters["RTL_RETURN_ALT"]
     ardupilot.parameters |= {"GUID_TIMEOUT": (3.0, 9), "FS_GCS_ENABLE": (1, 2), "FENCE_ENABLE": (0, 2)}
@@ -153,6 +153,7 @@ def test_settings_are_read_and_warned_about():
     assert "COM_OF_LOSS_T is 4 s" in said
     assert "COM_RCL_EXCEPT is 4" in said
     assert "no geofence" in said
+    assert "COM_DISARM_LAND is -1: PX4 never locks" in said
     assert "RTL_RETURN_ALT could not be read" in said
     said = "\n".join(connected(ardupilot).vehicle.warnings)
     assert "GUID_TIMEOUT is 3 s" in said

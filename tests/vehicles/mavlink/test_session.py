@@ -111,6 +111,7 @@ def test_px4_puts_whole_numbers_into_the_bytes_of_a_float(number):
 def test_an_acknowledgement_for_somebody_else_is_not_ours():
     session, other = met()
     session.receive(other.say("command_ack", 400, 0, 0, 0, 255, 190), 2 * S)
+    session.receive(other.say("command_ack", 400, 0, 0, 0, 1, 195), 2 * S)  # another companion's
     assert session.talk._acks == {}
     session.receive(other.say("command_ack", 400, 4, 0, 0, 1, 191), 2 * S)
     assert session.talk._acks == {400: 4}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import pty
 import signal
@@ -146,6 +147,24 @@ def test_a_loop_that_hangs_while_its_threads_live(make):
             vehicle.close()
     assert still[0] < 0.3
     assert held_s < 1.0
+
+
+def test_what_was_loaded_is_left_out_of_garbage_collections():
+    """A full collection keeps the interpreter, and with it the sender, for up to half a second."""
+    gc.unfreeze()
+    loaded = [[] for _ in range(50_000)]
+    with AutopilotServer(FakePx4(FAST), ("127.0.0.1", port := free_port())):
+        vehicle = open_vehicle(f"mavlink:udp:127.0.0.1:{port}")
+        vehicle.connect()
+        try:
+            assert gc.get_freeze_count() > len(loaded)
+            assert sys.getswitchinterval() <= 0.0005
+            after = [[] for _ in range(10_000)]
+            until(lambda: vehicle.state.healthy)
+            vehicle.arm()
+            assert gc.get_freeze_count() > len(loaded) + len(after), "and what was loaded since"
+        finally:
+            vehicle.close()
 
 
 def test_nobody_there_says_what_to_look_at():

@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 import pickle
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from tests.view.console.test_console import snapshot
 from tests.view.seen import body, somebody, standing
 from wigwag.camera.frame import Frame, Intrinsics
-from wigwag.evaluate.prompted import PromptedFlight
+from wigwag.evaluate.prompted import PromptedFlight, Prompter
 from wigwag.fly.situation import Mode
 from wigwag.fly.values import Command
+from wigwag.gesture import Gesture
+from wigwag.recognise.explain import Example, Explanation
 from wigwag.sim.response import Response, ResponseConfig
 from wigwag.sim.sketch import SketchWorld
 from wigwag.view.console.desk import SNAPSHOT_HZ, Desk
 from wigwag.view.console.page import events_html, picture_html, state_html
-from wigwag.view.console.values import Ask, Button, Line, Snapshot
+from wigwag.view.console.teaching import lesson_html
+from wigwag.view.console.values import Ask, Button, Lesson, Line, Snapshot, Why, newer
+from wigwag.view.console.why import why_html
 
 
 class Page:
@@ -192,3 +199,89 @@ def test_what_is_shown_is_text_and_no_page_of_its_own() -> None:
     shown = events_html(lines)
     assert "<script>" not in shown and shown.index("{19}".strip("{}")) < shown.index("11&lt;")
     assert "data:image/jpeg;base64,/9j/" in picture_html(np.zeros((30, 40, 3), np.uint8))
+
+
+class Teller(Prompter):
+    """A prompter that can say why."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.told = 0
+
+    def explain(self) -> Explanation | None:
+        self.told += 1
+        if self.told == 2:
+            raise RuntimeError("it is broken")
+        if self.told == 3:
+            return None
+        views = ("positions",)
+        path = np.stack([np.arange(20), np.arange(20)], axis=1)
+        example = Example("orbit", "orbit of <ann>", 1.1, np.array([0.4]), np.zeros((20, 13, 3)), path)
+        return Explanation(
+            Gesture("orbit", 0.97), "orbit", None, 0.97, 0.7, 1.2, None, views, np.array([1.5]), None, 20,
+            (example,), np.zeros((20, 13, 3)), 1.4,
+        )  # fmt: skip
+
+
+def test_why_something_was_heard_is_handed_over_once() -> None:
+    bench = Bench()
+    teller = bench.pilot.spotter = bench.flown.prompter = Teller()  # type: ignore[assignment]
+    bench.turns(1.5)
+    for _ in range(4):
+        bench.turn(gesture=Command.ORBIT)
+        bench.turns(0.5)
+    assert teller.told == 4
+    whys = [why for snapshot in bench.page.shown for why in snapshot.whys]
+    assert [why.label for why in whys] == ["orbit", "orbit"], "of four, one failed and one could not be told"
+    assert whys[0].title.endswith(" s: orbit") and whys[0].explained.sure == 0.97
+    said = [line.text for line in bench.page.shown[-1].lines]
+    assert "cannot be explained: it is broken" in said, "and it flies on"
+    shown = why_html(whys[0])
+    assert "orbit, 0.970 sure" in shown and "data:image/png;base64,iVBOR" in shown
+    assert "Refused, were more than 0.970 asked for" in shown
+
+
+def test_what_was_heard_is_in_the_next_snapshot_if_one_was_missed() -> None:
+    def heard(*seconds: float) -> Snapshot:
+        return replace(snapshot(), whys=tuple(Why(at_s, "up", b"") for at_s in seconds))
+
+    assert [why.at_s for why in newer(heard(1.0), heard(2.0)).whys] == [1.0, 2.0]
+    many = newer(heard(1.0, 2.0, 3.0), heard(4.0, 5.0, 6.0))
+    assert [why.at_s for why in many.whys] == [2.0, 3.0, 4.0, 5.0, 6.0]
+    assert newer(heard(1.0), heard()).whys[0].at_s == 1.0
+
+
+def lesson(**changed: Any) -> Lesson:
+    stands = Lesson(
+        "<i>wave</i>", "3 ...", "feet out of view", 1, 3, True, False, (Line(1.0, "<u>"),), ("a",)
+    )
+    return replace(stands, **changed)
+
+
+def test_lessons_are_for_whoever_gives_them_and_what_is_learned_is_shown_at_once() -> None:
+    page = Page()
+    desk = Desk(page, None, None, clock_ns=lambda: 0)
+    page.wishes = [Ask(teach="wave"), press(Button.CANCEL), press(Button.STOP)]
+    assert desk.asked() is None
+    assert list(desk.lessons) == [Ask(teach="wave"), press(Button.CANCEL)]
+    for learning in (False, False, True):
+        desk.show_watched(None, None, 7, 0.01, "", lesson=lesson(learning=learning))
+    shown = [snapshot.lesson for snapshot in page.shown]
+    assert [one.learning for one in shown if one is not None] == [False, True], "out of its turn"
+
+
+def test_a_flight_that_is_asked_to_teach_flies_on() -> None:
+    bench = Bench()
+    bench.turns(0.5)
+    for _ in range(20):
+        bench.turn(Ask(teach="x"))
+    assert bench.flown.pilot.supervisor.mode is Mode.DISARMED and len(bench.desk.lessons) <= 8
+    assert bench.page.shown[-1].lesson is None
+
+
+def test_a_lesson_is_shown_as_text() -> None:
+    shown = lesson_html(lesson())
+    for part in ("&lt;i&gt;wave&lt;/i&gt;: 1 of 3", "3 ...", "feet out of view", "&lt;u&gt;", "knows: a"):
+        assert part in shown, part
+    assert "<i>" not in shown and "<u>" not in shown
+    assert "knows" not in lesson_html(lesson(known=())) and "of 3" not in lesson_html(lesson(gesture=""))

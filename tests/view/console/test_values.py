@@ -9,10 +9,12 @@ from hypothesis import strategies as st
 from wigwag.errors import InputError
 from wigwag.fly.values import Command
 from wigwag.view.console.slot import Slot
-from wigwag.view.console.values import Ask, Button
+from wigwag.view.console.values import NAME_MOST, Ask, Button
 
 
-@pytest.mark.parametrize("ask", [*map(Ask, Button), Ask(None, "ceiling_m", 2.5)])
+@pytest.mark.parametrize(
+    "ask", [*map(Ask, Button), Ask(None, "ceiling_m", 2.5), Ask(teach="salute"), Ask(teach="")]
+)
 def test_what_is_asked_for_comes_back_as_it_went(ask: Ask) -> None:
     assert Ask.from_json(ask.to_json()) == ask
 
@@ -23,6 +25,8 @@ def test_what_is_asked_for_comes_back_as_it_went(ask: Ask) -> None:
         b"", b"{}", b"[]", b"1", b"null", b'{"button": "arm"}', b'{"button": "take_off"}',
         b'{"button": "stop", "limit": "x", "value": 1}', b'{"limit": "x", "value": NaN}',
         b'{"limit": "x", "value": "fast"}', b'{"limit": "x"}', b"\xff",
+        b'{"teach": 1}', b'{"teach": null}', b'{"teach": ["a"]}', b'{"teach": "a", "button": "stop"}',
+        b'{"teach": "a", "limit": "x", "value": 1}',
     ],
 )  # fmt: skip
 def test_anything_else_is_refused(data: bytes) -> None:
@@ -37,6 +41,19 @@ def test_whatever_comes_is_read_or_refused(data: bytes) -> None:
     except InputError:
         return
     assert ask.button in (None, *Button)
+
+
+@given(st.text(max_size=5000))
+def test_a_name_of_any_length_fits_its_way(name: str) -> None:
+    data = Ask(teach=name).to_json()
+    assert len(data) < 4096, "what is longer would close the link"
+    assert Ask.from_json(data).teach == name[:NAME_MOST]
+
+
+def test_a_later_wish_about_the_same_replaces_the_earlier_one() -> None:
+    assert Ask(teach="a").about == Ask(teach="b").about
+    others = {Ask(teach="stop").about, Ask(Button.STOP).about, Ask(None, "stop", 1.0).about}
+    assert len(others) == 3, "and nothing else is replaced by it"
 
 
 def test_no_button_arms_or_takes_off() -> None:

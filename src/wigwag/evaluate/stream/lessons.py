@@ -64,8 +64,11 @@ class Lesson:
     """Recordings of further gestures of the same people, labelled, which are no command."""
     background: list[Clip] = field(default_factory=list)
     """Everyday movements without a label: recorded ones of 1 to 10 s, simulated ones of minutes."""
+    deliberate: list[Clip] = field(default_factory=list)
+    """Further people's gestures that are no command, whole recordings without a label: MSRC-12's."""
     streams: list[Recording] = field(default_factory=list)
-    """Streams assembled of the above, with their truth; or recorded ones with action points."""
+    """Streams assembled of gestures, others and background, with their truth; or recorded, with action
+    points."""
     seed: int = 0
 
     @property
@@ -110,6 +113,7 @@ def lesson(
         [clip for clip in mine if clip.label in classes],
         [clip for clip in mine if clip.label not in classes],
         _background(everyday, classes, simulated, seed),
+        _deliberate(material, fold, classes),
         [
             person_stream(material, person, classes, everyday, [0x7A, seed, turn])
             for turn in range(rounds)
@@ -155,7 +159,18 @@ def own_lesson(
         return replace(taught, gestures=taught.gestures + examples), left
     everyday = [s for s in shown_between(material, classes) if s.clip.subject in fold.everyday_taught]
     streams = [person_stream(material, p, classes, everyday, [0x0E, seed], only=()) for p in fold.taught]
-    return Lesson(examples, [], _background(everyday, classes, 4, seed), streams, seed), left
+    background = _background(everyday, classes, 4, seed)
+    return Lesson(examples, [], background, _deliberate(material, fold, classes), streams, seed), left
+
+
+def _deliberate(material: Material, fold: Fold, classes: Sequence[str]) -> list[Clip]:
+    """Return a recording of each of MSRC-12's gestures by each who may be taught, unless it is a command."""
+    chosen: dict[tuple[str, str], Clip] = {}
+    for recording in material.streams.get("msrc12", []):
+        clip, source = recording.stream, recording.scenes[0].label
+        if clip.subject in fold.everyday_taught and TWINS.get(source) not in classes:
+            chosen.setdefault((str(clip.subject), source), clip)
+    return [chosen[key] for key in sorted(chosen)]
 
 
 def _background(everyday: Sequence[Shown], classes: Sequence[str], simulated: int, seed: int) -> list[Clip]:

@@ -158,7 +158,8 @@ def poisson_interval(count: float, hours: float) -> tuple[float, float]:
 
     if count < 0 or not hours > 0:
         raise InputError(f"Expected a count from 0 and hours above 0, but got {count} and {hours}.")
-    low = float(chi2.ppf(0.025, 2 * count)) / 2 if count > 0 else 0.0
+    # Of far less than one event the lower limit is far below any number; the library says NaN there.
+    low = float(np.nan_to_num(chi2.ppf(0.025, 2 * count))) / 2 if count > 0 else 0.0
     return low / hours, float(chi2.ppf(0.975, 2 * count + 2)) / 2 / hours
 
 

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
+from wigwag.datasets.recording import Recording
 from wigwag.errors import DataError
 from wigwag.evaluate.stream.corrupt import corrupted
+from wigwag.evaluate.stream.lessons import Lesson
 from wigwag.evaluate.stream.material import Material, taught
-from wigwag.evaluate.stream.plan import NEGATIVES, Show, StreamBenchmarkConfig, parts_of
-from wigwag.evaluate.stream.systems import system_of
+from wigwag.evaluate.stream.plan import NEGATIVES, Part, Show, StreamBenchmarkConfig, parts_of
+from wigwag.evaluate.stream.systems import Listener, system_of
 from wigwag.evaluate.stream.watch import Session, figures, watch
 from wigwag.evaluate.threads import one_thread
 
@@ -26,7 +30,7 @@ def run_system(
     shows: Sequence[Show],
     config: StreamBenchmarkConfig,
     progress: Progress | None = None,
-) -> list[dict[str, Any]]:
+) -> Iterator[dict[str, Any]]:
     """Teach a system once for each fold and let it watch everything asked for.
 
     Args:
@@ -37,45 +41,75 @@ def run_system(
         progress: Called before each teaching and each stream.
 
     Returns:
-        A record for each entry of ``shows`` and each fault, over all folds together; all negatives together
-        where there are several; of MSRC-12, those people again by whom no setting may have been chosen.
+        A record for each entry of ``shows`` and each fault, over all folds together, as soon as the last of
+        them is through; all negatives together where there are several; of MSRC-12, those people again by
+        whom no setting may have been chosen.
 
     Raises:
         DataError: If what is to be shown was not read.
         InputError: If there is no such system or vocabulary.
     """
     teach = system_of(system)
-    seen: Seen = {}
     parts = list(parts_of(material, shows, config))
+    shown = {show for part in parts for show in part.shows}
+    if missing := [show for show in shows if show not in shown]:
+        raise DataError(f"{', '.join(missing)}: nothing was read that could be shown; look at --data-dir.")
+    return _records(parts, teach, system, config, progress or (lambda what, done, total: None))
+
+
+def _records(
+    parts: Sequence[Part],
+    teach: Callable[[Lesson], Listener],
+    system: str,
+    config: StreamBenchmarkConfig,
+    progress: Progress,
+) -> Iterator[dict[str, Any]]:
+    seen: Seen = {}
+    left = Counter(show for part in parts for show in part.shows)
     with one_thread():
         for number, part in enumerate(parts):
-            if progress is not None:
-                progress(f"teaching, {part.name}", number, len(parts))
+            progress(f"teaching, {part.name}", number, len(parts))
             listener = teach(part.lesson())
             for show, shown in part.shows.items():
                 recordings = list(shown())
                 for done, recording in enumerate(recordings):
-                    if progress is not None:
-                        progress(f"{show}, {part.name}", done, len(recordings))
-                    seen.setdefault((show, ""), []).append(watch(listener, recording))
-                    for kind in config.corrupt:
-                        poses = corrupted(recording, kind, [config.seed, done])
-                        session = watch(listener, recording, poses, tolerant=True)
-                        seen.setdefault((show, kind), []).append(session)
-    if missing := [show for show in shows if (show, "") not in seen]:
-        raise DataError(f"{', '.join(missing)}: nothing was read that could be shown; look at --data-dir.")
-    _add_sums(seen, shows)
-    return [_record(seen, show, kind, system, config) for show, kind in seen]
+                    progress(f"{show}, {part.name}", done, len(recordings))
+                    for kind, session in _sessions(listener, recording, config, done):
+                        seen.setdefault((show, kind), []).append(replace(session, fold=part.name))
+                left[show] -= 1
+                for name in _complete(seen, left, show):
+                    for kind in ("", *config.corrupt):
+                        yield _record(seen, name, kind, system, config)
 
 
-def _add_sums(seen: Seen, shows: Sequence[Show]) -> None:
-    negatives = [show for show in shows if show in NEGATIVES]
-    for kind in dict.fromkeys(kind for _, kind in seen):
-        if len(negatives) > 1:
-            seen["negatives", kind] = [session for show in negatives for session in seen[show, kind]]
-        unseen = [s for s in seen.get(("msrc12", kind), []) if not taught(s.person)]
-        if unseen:
-            seen["msrc12, judged only", kind] = unseen
+def _sessions(
+    listener: Listener, recording: Recording, config: StreamBenchmarkConfig, number: int
+) -> Iterator[tuple[str, Session]]:
+    """Let a listener watch one recording, as it is and with every fault."""
+    yield "", watch(listener, recording)
+    for kind in config.corrupt:
+        poses = corrupted(recording, kind, [config.seed, number])
+        yield kind, watch(listener, recording, poses, tolerant=True)
+
+
+def _complete(seen: Seen, left: Counter[Show], show: Show) -> list[str]:
+    """Return what is complete now that a part of ``show`` has been watched, sums over several shows too."""
+    if left[show]:
+        return []
+    if (show, "") not in seen:
+        raise DataError(f"{show}: nothing was read that could be shown; look at --data-dir.")
+    complete: list[str] = [show]
+    negatives = [name for name in NEGATIVES if name in left]
+    kinds = [kind for name, kind in seen if name == show]
+    if show in negatives and len(negatives) > 1 and not any(left[name] for name in negatives):
+        for kind in kinds:
+            seen["negatives", kind] = [session for name in negatives for session in seen[name, kind]]
+        complete.append("negatives")
+    if show == "msrc12" and any(not taught(s.person) for s in seen[show, ""]):
+        for kind in kinds:
+            seen["msrc12, judged only", kind] = [s for s in seen[show, kind] if not taught(s.person)]
+        complete.append("msrc12, judged only")
+    return complete
 
 
 def _record(seen: Seen, show: str, kind: str, system: str, config: StreamBenchmarkConfig) -> dict[str, Any]:
@@ -95,6 +129,8 @@ def _record(seen: Seen, show: str, kind: str, system: str, config: StreamBenchma
         "repeats": repeats,
         "judged": " ".join(people[:12]) + (f" and {len(people) - 12} more" if len(people) > 12 else ""),
     } | figures(sessions, repeats, points)
+    if points:
+        record["action_point_f1_of"] = _by_fold(sessions)
     if kind:
         score = "action_point_f1" if points else "event_f1"
         clean = figures(seen[show, ""], repeats, points)
@@ -102,6 +138,15 @@ def _record(seen: Seen, show: str, kind: str, system: str, config: StreamBenchma
         record["f1_lost"] = None if record[score] is None else clean[score] - record[score]
         record["false_commands_more"] = record["false_commands"] - clean["false_commands"]
     return record
+
+
+def _by_fold(sessions: Sequence[Session]) -> list[str]:
+    """Return the F1 of action points by who had taught."""
+    folds: dict[str, list[Session]] = {}
+    for session in sessions:
+        folds.setdefault(session.fold, []).append(session)
+    scores = {fold: figures(mine, points=True)["action_point_f1"] for fold, mine in folds.items()}
+    return [f"{fold}: {score:.3f}" for fold, score in sorted(scores.items()) if score is not None]
 
 
 __all__ = ["run_system"]

@@ -16,9 +16,11 @@ from wigwag.gesture import Gesture
 from wigwag.recognise import KernelRecognizer
 from wigwag.skeleton import Clip, Pose
 from wigwag.stream.gesture_stream import StreamConfig
+from wigwag.stream.moments import MomentConfig
 from wigwag.stream.segment import Segment
 from wigwag.stream.spot import SpotConfig, Spotter, background
 from wigwag.stream.teach import LabelledStream, Showing, teach_stream
+from wigwag.stream.teach_moments import teach_moments
 
 REFUSED_PER_STREAM = 150
 """The spotter's wrong proposals that are taught as background, a training stream, as the demo does."""
@@ -79,23 +81,40 @@ def teach_spotter(lesson: Lesson) -> Listener:
     return Only(lambda: Spotter(recogniser, config), lesson.vocabulary)
 
 
-def teach_gesture_stream(lesson: Lesson) -> Listener:
-    """Teach a :class:`~wigwag.stream.gesture_stream.GestureStream` with its defaults.
+def teach_gesture_stream(lesson: Lesson, *, strange: bool = False) -> Listener:
+    """Teach a :class:`~wigwag.stream.gesture_stream.GestureStream` with its defaults, or ``strange``.
 
-    Recordings are cut to their movement; further gestures are known by name and kept silent.
+    Recordings are cut to their movement; further gestures are known by name and kept silent. Where action
+    points are all that is known, a :class:`~wigwag.stream.moments.MomentStream` is taught.
     """
+    if any(mark.point_ns is not None for recording in lesson.streams for mark in recording.marks):
+        points = [LabelledStream(r.stream, tuple(_point(mark) for mark in r.marks)) for r in lesson.streams]
+        settings = MomentConfig(commands=lesson.vocabulary)
+        return teach_moments(points, settings, random_state=lesson.seed).stream()
     clips = [cut_to_movement(clip) for clip in (*lesson.gestures, *lesson.others)]
     streams = [LabelledStream(r.stream, tuple(_showing(mark) for mark in r.marks)) for r in lesson.streams]
     background = [_movable(clip) for clip in lesson.background]
-    config = StreamConfig(commands=lesson.vocabulary)
+    config = StreamConfig(commands=lesson.vocabulary, strange=strange)
     return teach_stream(clips, background, streams, config, random_state=lesson.seed).stream()
 
 
+def teach_beside_deliberate(lesson: Lesson) -> Listener:
+    """Teach the same, and as no command also what other people gesture deliberately."""
+    return teach_gesture_stream(replace(lesson, background=lesson.background + lesson.deliberate))
+
+
+def teach_doubting(lesson: Lesson) -> Listener:
+    """Teach the same as :func:`teach_gesture_stream`, and doubt of gestures that nobody taught."""
+    return teach_gesture_stream(lesson, strange=True)
+
+
 def _showing(mark: Mark) -> Showing:
-    """Of an action point only the moment is told; where the movement begins, the stream finds out."""
-    if mark.point_ns is not None:
-        return Showing(mark.label, mark.point_ns, mark.point_ns)
     return Showing(mark.label, mark.onset_ns, mark.end_ns)
+
+
+def _point(mark: Mark) -> Showing:
+    moment_ns = mark.end_ns if mark.point_ns is None else mark.point_ns
+    return Showing(mark.label, moment_ns, moment_ns)
 
 
 def _movable(clip: Clip) -> Clip:
@@ -105,6 +124,8 @@ def _movable(clip: Clip) -> Clip:
 
 SYSTEMS: dict[str, Callable[[Lesson], Listener]] = {
     "stream": teach_gesture_stream,
+    "stream+msrc12": teach_beside_deliberate,
+    "stream+strange": teach_doubting,
     "spotter": teach_spotter,
 }
 """Every system by its name: from a lesson to a listener."""

@@ -57,6 +57,8 @@ class Session:
     """Processor time of each update."""
     exceptions: int = 0
     """How many updates raised one."""
+    fold: str = ""
+    """Who had taught the system, where that differs."""
 
 
 def poses_of(recording: Recording) -> list[Pose]:

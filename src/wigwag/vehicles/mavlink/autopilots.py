@@ -59,6 +59,10 @@ class Autopilot(Protocol):
         """Say what a mode means."""
         ...
 
+    def by_sticks(self, custom_mode: int) -> bool:
+        """Say whether a pilot's sticks fly it in a mode."""
+        ...
+
     def mode_name(self, custom_mode: int) -> str:
         """Return its own name of a mode."""
         ...
@@ -112,6 +116,10 @@ class Px4:
         """Say what a mode means."""
         return self._DOING.get(custom_mode & 0xFFFF0000, Doing.OTHER)
 
+    def by_sticks(self, custom_mode: int) -> bool:
+        """Say whether a pilot's sticks fly it in a mode: in all but Auto and Offboard."""
+        return custom_mode >> 16 & 255 not in (4, 6)
+
     def mode_name(self, custom_mode: int) -> str:
         """Return its own name of a mode."""
         main, sub = custom_mode >> 16 & 255, custom_mode >> 24 & 255
@@ -158,9 +166,17 @@ class ArduCopter:
         18: "THROW", 20: "GUIDED_NOGPS", 21: "SMART_RTL", 27: "AUTO_RTL",
     }  # fmt: skip
 
+    _STICKS = frozenset({0, 1, 2, 5, 11, 13, 14, 15, 16, 22, 24, 26, 28})
+    """STABILIZE, ACRO, ALT_HOLD, LOITER, DRIFT, SPORT, FLIP, AUTOTUNE, POSHOLD, FLOWHOLD, ZIGZAG, AUTOROTATE,
+    TURTLE."""
+
     def doing(self, custom_mode: int) -> Doing:
         """Say what a mode means."""
         return self._DOING.get(custom_mode, Doing.OTHER)
+
+    def by_sticks(self, custom_mode: int) -> bool:
+        """Say whether a pilot's sticks fly it in a mode."""
+        return custom_mode in self._STICKS
 
     def mode_name(self, custom_mode: int) -> str:
         """Return its own name of a mode."""

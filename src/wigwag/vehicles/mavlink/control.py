@@ -11,6 +11,10 @@ _S = 1_000_000_000
 _EXPECTED_NS = 5 * _S
 _LAPSE_NS = 4 * _S
 """PX4 leaves Offboard COM_OF_LOSS_T (1 s) after the last set-point and tells of it within a second more."""
+_WITH_NS = _S // 2
+"""A complaint that came up so shortly before a change of mode came with it: faster than a pilot reacts."""
+_FENCE_NS = 2 * _S
+"""ArduPilot looks for its fence once a second, and tells of it apart from the mode."""
 
 
 class Decides(Enum):
@@ -24,7 +28,9 @@ class Decides(Enum):
 class Control:
     """Watches the flight mode: what was not asked for here was asked for by somebody else.
 
-    It is given back by choosing the mode in which set-points count (Offboard, GUIDED), or by disarming.
+    It is given back by choosing the mode in which set-points count (Offboard, GUIDED), or by disarming. In
+    doubt whether a pilot or the autopilot changed it, it was the pilot, who is not even asked to hold: both
+    autopilots say critical as long as anything is amiss, also after a pilot took over because of it.
     """
 
     def __init__(self) -> None:
@@ -37,6 +43,10 @@ class Control:
         """The autopilot holds because set-points stopped; it is to be told that it shall."""
         self._mode: int | None = None
         self._armed = False
+        self._critical_ns: int | None = None
+        """Since when the autopilot has said that something is amiss; ``None``: it does not."""
+        self._changed_ns = 0
+        """When the mode was last changed by somebody else."""
         self._expected: dict[int, int] = {}
         self._lapsed_ns: int | None = None
 
@@ -52,12 +62,18 @@ class Control:
         """Look at the newest heartbeat."""
         mode, before = telemetry.custom_mode, self._mode
         was_armed, self._armed, self._mode = self._armed, telemetry.armed, mode
+        if not telemetry.critical:
+            self._critical_ns = None
+        elif self._critical_ns is None:
+            self._critical_ns = now_ns
         if not telemetry.armed:
             self.decides, self.timed_out = Decides.WIGWAG, False
         elif not was_armed and before is None:
             self._take_over(autopilot.doing(mode), telemetry)
         elif mode != before:
             self._changed(autopilot, before, telemetry, now_ns)
+        elif self.decides is Decides.PILOT and self._at_fence(autopilot, telemetry):
+            self.decides = Decides.FAILSAFE  # told of after the change
 
     def _take_over(self, doing: Doing, telemetry: Telemetry) -> None:
         """Met in the air: what hovers by itself is taken over, what is flown by sticks is not."""
@@ -70,6 +86,7 @@ class Control:
         asked_ns = self._expected.get(mode)
         after = before is not None and autopilot.doing(before) is Doing.TAKE_OFF and doing is Doing.HOLD
         lapsed = self._lapsed_ns is not None and now_ns - self._lapsed_ns < _LAPSE_NS
+        own = self.timed_out or self.decides is Decides.FAILSAFE
         self.timed_out = False
         if asked_ns is not None and now_ns - asked_ns < _EXPECTED_NS:
             self.decides = Decides.WIGWAG
@@ -80,4 +97,15 @@ class Control:
         elif doing is Doing.HOLD and telemetry.critical and lapsed and self.decides is Decides.WIGWAG:
             self.timed_out = True
         else:
-            self.decides = Decides.FAILSAFE if telemetry.critical else Decides.PILOT
+            self._changed_ns = now_ns
+            # One failsafe leads to the next (PX4 holds for COM_FAIL_ACT_T before it returns).
+            fresh = self._critical_ns is not None and now_ns - self._critical_ns <= _WITH_NS
+            itself = telemetry.critical and (own or fresh) and not autopilot.by_sticks(mode)
+            failsafe = itself or self._at_fence(autopilot, telemetry)
+            self.decides = Decides.FAILSAFE if failsafe else Decides.PILOT
+
+    def _at_fence(self, autopilot: Autopilot, telemetry: Telemetry) -> bool:
+        """Say whether ArduPilot changed the mode at its fence, which it does not call critical."""
+        met_ns = telemetry.fence_ns
+        near = met_ns is not None and abs(met_ns - self._changed_ns) <= _FENCE_NS
+        return near and not autopilot.by_sticks(telemetry.custom_mode)

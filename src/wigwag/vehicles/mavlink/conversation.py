@@ -207,6 +207,11 @@ class Conversation:
         self._coder.srcSystem = source[0]
         self.telemetry = Telemetry(autopilot.prearm_present)
 
+    def _is_ours(self, message: Any) -> bool:
+        """Say whether a message is for us, and not for another companion on the same vehicle."""
+        system, component = message.target_system, message.target_component
+        return system in (0, self._coder.srcSystem) and component in (0, _OWN_COMPONENT)
+
     def _late(self, kind: str, number: int) -> bool:
         """Say whether a packet was sent before the last of its kind, or is the same, by its number."""
         if self._newest is None:
@@ -220,7 +225,7 @@ class Conversation:
 
     def _take(self, kind: str, message: Any) -> None:
         self.telemetry.update(message, self.now_ns)
-        if kind == "COMMAND_ACK" and message.target_system in (0, self._coder.srcSystem):
+        if kind == "COMMAND_ACK" and self._is_ours(message):
             self._acks[int(message.command)] = int(message.result)
         elif kind == "PARAM_VALUE":
             name = message.param_id

@@ -94,6 +94,16 @@ def _px4_fence(v: Values) -> str:
     )
 
 
+def _never_locks(v: Values) -> str:
+    seconds = v["COM_DISARM_LAND"]
+    if seconds > 0:
+        return ""
+    return (
+        f"COM_DISARM_LAND is {seconds:g}: PX4 never locks its propellers after landing, and wigwag does not "
+        "either. Set it to 2 s."
+    )
+
+
 def _guided_timeout(v: Values) -> str:
     seconds = v["GUID_TIMEOUT"]
     if seconds <= 1.0:
@@ -131,6 +141,7 @@ PX4_ADVICE = (
     Advice(("COM_OBL_RC_ACT",), _offboard_loss),
     Advice(("COM_OF_LOSS_T",), _offboard_timeout),
     Advice(("COM_RCL_EXCEPT",), _radio_exception),
+    Advice(("COM_DISARM_LAND",), _never_locks),
     Advice(("RTL_RETURN_ALT", "NAV_DLL_ACT", "NAV_RCL_ACT"), _px4_return),
     Advice(("GF_MAX_HOR_DIST", "GF_MAX_VER_DIST", "GF_ACTION"), _px4_fence),
 )

@@ -214,7 +214,7 @@ class Session:
             self._setting_up = self._set_up()
         if self.control.timed_out and self._asked is None and now_ns - self._tried_ns > _RETRY_S * _S:
             self._tried_ns = now_ns
-            self._ask("confirm", self._requests.confirm_hold(), now_ns)
+            self._ask("confirm", self._requests.confirm_hold(), now_ns, unasked=True)
 
     def _set_up(self) -> Procedure:
         """Agree with the autopilot on everything; the settings are read once."""
@@ -253,12 +253,15 @@ class Session:
         elif asked_for == "steer" and reason:
             self._flow_ns = None  # begins its second anew
 
-    def _ask(self, what: str, procedure: Procedure, now_ns: int) -> bool:
-        """Begin something; what was under way is dropped."""
+    def _ask(self, what: str, procedure: Procedure, now_ns: int, *, unasked: bool = False) -> bool:
+        """Begin something; what was under way is dropped.
+
+        What nobody asked for (a dead man's switch asks for hold again and again) leaves a refusal said.
+        """
         self.talk.now_ns = max(self.talk.now_ns, now_ns)
         self._asked, self._asked_for = procedure, what
         self._then_height_m = None
-        self.denied = ""
+        self.denied = self.denied if unasked else ""
         self._advance()
         return True
 
@@ -304,7 +307,7 @@ class Session:
             if steering:
                 self._steered_ns = now_ns
             elif not self._asked_for and now_ns - self._flow_ns >= autopilot.stream_first_s * _S:
-                self._ask("steer", requests.change(autopilot.steer_mode), now_ns)
+                self._ask("steer", requests.change(autopilot.steer_mode), now_ns, unasked=True)
             return
         self._flow_ns = None
         if not steering or self._steered_ns < 0:
@@ -312,7 +315,7 @@ class Session:
         self.control.lapsed(now_ns)
         self._post(HOVER, now_ns)
         if age_s > self.config.fresh_s + self.config.still_s and not self._asked_for:
-            self._ask("hold", requests.change(autopilot.hold_mode), now_ns)
+            self._ask("hold", requests.change(autopilot.hold_mode), now_ns, unasked=True)
 
     def _post(self, setpoint: Setpoint, now_ns: int) -> None:
         t, autopilot = self.talk.telemetry, self.talk.autopilot

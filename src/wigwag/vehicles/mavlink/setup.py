@@ -10,7 +10,7 @@ from wigwag.vehicles.mavlink.parameters import ARDUPILOT_ADVICE, OPTIONAL, PX4_A
 
 _S = 1_000_000_000
 _HEARTBEAT, _SYS_STATUS, _GPS_RAW_INT, _ATTITUDE, _LOCAL_POSITION, _GLOBAL_POSITION = 0, 1, 24, 30, 32, 33
-_VERSION, _EXTENDED_SYS_STATE = 148, 245
+_VERSION, _FENCE_STATUS, _EXTENDED_SYS_STATE = 148, 162, 245
 _REQUEST_MESSAGE, _RUN_PREARM_CHECKS = 512, 401
 _ORIGIN_WAIT_S = 3.0
 DEFAULT_ORIGIN = (0.001, 0.001, 0.0)
@@ -34,11 +34,13 @@ def streams(talk: Conversation, stream_hz: float) -> Procedure:
 
     Rates that are refused are left as they are: what does not come is missed where it is needed.
     """
-    wanted = (
+    wanted = [
         (_LOCAL_POSITION, stream_hz), (_ATTITUDE, stream_hz), (_EXTENDED_SYS_STATE, 5.0),
         (_HEARTBEAT, 10.0),  # so that a pilot's change of mode is seen in a tenth of a second
         (_GLOBAL_POSITION, 5.0), (_SYS_STATUS, 2.0), (_GPS_RAW_INT, 1.0),
-    )  # fmt: skip
+    ]  # fmt: skip
+    if talk.autopilot is not None and talk.autopilot.name == "ArduPilot":
+        wanted.append((_FENCE_STATUS, 5.0))  # PX4 calls a fence that was met critical; ArduPilot does not
     for message_id, rate_hz in wanted:
         yield from talk.set_interval(message_id, rate_hz)
     return ""

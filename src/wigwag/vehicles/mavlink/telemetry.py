@@ -62,6 +62,8 @@ class Telemetry:
         self.origin = False
         """Whether its estimator has an origin."""
         self.gps_fix = 0
+        self.fence_ns: int | None = None
+        """Since when it has been outside its own fence; ``None``: it is not, or does not say."""
         self.version = ""
         self.landed: bool | None = None
         self.healthy = True
@@ -172,6 +174,12 @@ class Telemetry:
 
     def _on_gps_raw_int(self, message: Any, now_ns: int) -> None:
         self.gps_fix = int(message.fix_type)
+
+    def _on_fence_status(self, message: Any, now_ns: int) -> None:
+        if not message.breach_status:
+            self.fence_ns = None
+        elif self.fence_ns is None:
+            self.fence_ns = now_ns
 
     def _on_extended_sys_state(self, message: Any, now_ns: int) -> None:
         if message.landed_state:

@@ -4,21 +4,20 @@ from __future__ import annotations
 
 import contextlib
 import os
-import sys
 import threading
 import time
 from collections.abc import Callable
 
 from wigwag.errors import VehicleError
 from wigwag.fly.values import Setpoint, VehicleState
+from wigwag.vehicles.calm import calm
 from wigwag.vehicles.mavlink.config import MavlinkConfig
 from wigwag.vehicles.mavlink.links import Link
 from wigwag.vehicles.mavlink.session import Session
 from wigwag.vehicles.protocol import Capabilities, FlightMode
 
 _FIND_S, _SETTLE_S, _REOPEN_S, _JOIN_S = 15.0, 30.0, 0.5, 2.0
-_SWITCH_S = 0.0005
-_PRIORITY = 10
+SENDER_PRIORITY = 10
 """Of the sending thread, where the system grants real-time scheduling (SCHED_FIFO)."""
 
 
@@ -91,8 +90,7 @@ class MavlinkVehicle:
         if self._threads:
             return
         self.link.open()
-        # Python lets a thread keep the interpreter for 5 ms while others wait; the sender cannot.
-        sys.setswitchinterval(min(sys.getswitchinterval(), _SWITCH_S))
+        calm()
         for name, work in (("mavlink-read", self._read), ("mavlink-send", self._send)):
             thread = threading.Thread(target=work, name=name, daemon=True)
             self._threads.append(thread)
@@ -123,6 +121,7 @@ class MavlinkVehicle:
 
     def arm(self) -> bool:
         """Ask it to unlock the propellers."""
+        calm()  # whatever was loaded since it was connected
         return self._request(self.session.arm)
 
     def take_off(self, height_m: float = 1.5) -> bool:
@@ -204,7 +203,7 @@ class MavlinkVehicle:
     def _send(self) -> None:
         if hasattr(os, "sched_setscheduler"):
             with contextlib.suppress(OSError):
-                os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(_PRIORITY))
+                os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(SENDER_PRIORITY))
         try:
             while not self._closing.is_set():
                 with self._lock:

@@ -39,6 +39,8 @@ class ConsoleConfig:
     title: str = "wigwag"
     flies: bool = True
     """Whether there is something to be stopped."""
+    teaches: bool = False
+    """Whether gestures are taught, and can be named on the page."""
 
     def __post_init__(self) -> None:
         """Check, and draw a token where one is needed."""
@@ -55,7 +57,12 @@ class ConsoleConfig:
 
     @classmethod
     def at(
-        cls, address: str, token: str | None = None, title: str = "wigwag", flies: bool = True
+        cls,
+        address: str,
+        token: str | None = None,
+        *,
+        flies: bool = True,
+        teaches: bool = False,
     ) -> ConsoleConfig:
         """Read HOST:PORT.
 
@@ -65,7 +72,7 @@ class ConsoleConfig:
         host, colon, port = address.rpartition(":")
         if not colon or not port.isdecimal():
             raise InputError(f"The console needs an address such as 127.0.0.1:8080, but got {address!r}.")
-        return cls(host.strip("[]"), int(port), token, title, flies)
+        return cls(host.strip("[]"), int(port), token, flies=flies, teaches=teaches)
 
 
 class Console:
@@ -96,8 +103,9 @@ class Console:
         self.trouble = ""
         """Why the page is gone; empty: it is there. The loop goes on without it."""
         self._slot: Slot[Snapshot] = Slot(newer)
-        self._asks: dict[str, Ask] = {}
-        """What waits, by button or limit: however fast somebody clicks, a stop is in here."""
+        self._asks: dict[tuple[str, str], Ask] = {}
+        """What waits, by what it is about, in the order of asking: however fast somebody clicks, a stop is in
+        here."""
         self._lock = threading.Lock()
         self._threads = [
             threading.Thread(target=self._send, name="console out", daemon=True),
@@ -152,7 +160,8 @@ class Console:
             try:
                 ask = Ask.from_json(self._link.recv_bytes(4096))
                 with self._lock:
-                    self._asks[ask.button or ask.limit] = ask
+                    self._asks.pop(ask.about, None)
+                    self._asks[ask.about] = ask
             except InputError as error:
                 self.trouble = str(error)
             except (EOFError, OSError, TypeError) as error:  # closed, here (a TypeError) or there

@@ -7,7 +7,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from statistics import median
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from wigwag.camera.frame import Frame
 from wigwag.fly.operator import Mount
@@ -16,7 +16,21 @@ from wigwag.fly.values import Command, VehicleState
 from wigwag.pilot import Pilot, Step
 from wigwag.pose.estimator import Person, PoseEstimator
 from wigwag.skeleton import Pose
-from wigwag.view.console.values import Ask, Button, Figure, Flight, Line, Picture, Snapshot
+from wigwag.view.console.values import (
+    KEPT_WHYS,
+    Ask,
+    Button,
+    Figure,
+    Flight,
+    Lesson,
+    Line,
+    Picture,
+    Snapshot,
+    Why,
+)
+
+if TYPE_CHECKING:
+    from wigwag.recognise.explain import Explanation
 
 SNAPSHOT_HZ = 12.0
 """How often a snapshot is made at most."""
@@ -37,6 +51,15 @@ class Showing(Protocol):
 
     def asks(self) -> list[Ask]:
         """Return what was asked for since the last call."""
+        ...
+
+
+@runtime_checkable
+class Explaining(Protocol):
+    """A listener that can say what its last word came from, such as ``Overhearing``."""
+
+    def explain(self) -> Explanation | None:
+        """Explain it; ``None``: that cannot be told."""
         ...
 
 
@@ -63,10 +86,15 @@ class Desk:
         if eyes is None and pilot is not None and isinstance(pilot.pose, PoseEstimator):
             eyes = pilot.pose
         self.eyes, self._clock_ns = eyes, clock_ns
+        self.lessons: deque[Ask] = deque(maxlen=8)
+        """What was asked for of lessons, for whoever gives them to take."""
         self._lines: deque[Line] = deque(maxlen=_KEPT_LINES)
+        self._whys: deque[Why] = deque(maxlen=KEPT_WHYS)
+        """What was heard and not handed over yet."""
         self._turns: deque[int] = deque(maxlen=60)
         self._timings: deque[tuple[float, float]] = deque(maxlen=60)
         self._situation: Situation | None = None
+        self._now_ns = 0
         self._shown_ns: int | None = None
         self._count = 0
         self._trouble = ""
@@ -81,7 +109,9 @@ class Desk:
             return None
         buttons = [ask.button for ask in asks if ask.button is not None]
         for ask in asks:
-            if ask.button is None:
+            if ask.teach is not None or ask.button is Button.CANCEL:
+                self.lessons.append(ask)
+            elif ask.button is None:
                 self._tighten(ask)
         for button in buttons:
             self._press(button)
@@ -111,7 +141,7 @@ class Desk:
             trouble: What is wrong with the camera.
         """
         now_ns = step.situation.now_ns
-        self._situation = step.situation
+        self._situation, self._now_ns = step.situation, now_ns
         self._hear(step, now_ns)
         self._complain(trouble or ("" if self.pilot is None else self.pilot.trouble), now_ns)
         if not self._due(step.pose_s, step.rest_s) or self.pilot is None:
@@ -122,7 +152,14 @@ class Desk:
         self._leave(frame, step.pose, now_ns, flight, seen_from=seen_from, mount=self.pilot.config.mount)
 
     def show_watched(
-        self, frame: Frame | None, pose: Pose | None, now_ns: int, pose_s: float, trouble: str
+        self,
+        frame: Frame | None,
+        pose: Pose | None,
+        now_ns: int,
+        pose_s: float,
+        trouble: str,
+        *,
+        lesson: Lesson | None = None,
     ) -> None:
         """Tell the page of a turn of a loop that flies nothing.
 
@@ -132,10 +169,14 @@ class Desk:
             now_ns: On the clock of the stamps.
             pose_s: Processor seconds for finding it.
             trouble: What is wrong with the camera.
+            lesson: What is being taught. That it is being learned is shown at once: no other turn comes
+                before that is over.
         """
         self._complain(trouble, now_ns)
-        if self._due(pose_s, 0.0):
-            self._leave(frame, pose, now_ns, None)
+        self._now_ns = now_ns
+        due = self._due(pose_s, 0.0)
+        if due or (lesson is not None and lesson.learning):
+            self._leave(frame, pose, now_ns, None, lesson=lesson)
 
     def _hear(self, step: Step, now_ns: int) -> None:
         """Note what is worth a line in the list of events."""
@@ -144,10 +185,25 @@ class Desk:
             name = "not a gesture I know" if gesture.label is None else gesture.label.replace("_", " ")
             sure = f" {gesture.confidence:.0%}" if gesture.label is not None else f" ({gesture.reason})"
             self._lines.append(Line(at_s, name + sure, "gesture" if gesture.label is not None else ""))
+            if gesture.label is not None:
+                self._explain(at_s)
         if verdict.row:
             self._lines.append(Line(at_s, f"{verdict.row}: {verdict.mode.replace('_', ' ')}", "mode"))
         if verdict.reason:
             self._lines.append(Line(at_s, verdict.reason, "alarm"))
+
+    def _explain(self, at_s: float) -> None:
+        """Take down why it was heard, if the listener can tell; after the turn has sent what it asks for."""
+        listener: object = None if self.pilot is None else self.pilot.spotter
+        if not isinstance(listener, Explaining):
+            return
+        try:
+            explained = listener.explain()
+        except Exception as error:  # of whatever kind: nobody stops flying for want of an explanation
+            self._lines.append(Line(at_s, f"cannot be explained: {error}", "alarm"))
+            return
+        if explained is not None:
+            self._whys.append(Why.of(at_s, explained))
 
     def _complain(self, trouble: str, now_ns: int) -> None:
         if trouble != self._trouble and trouble:
@@ -155,8 +211,7 @@ class Desk:
         self._trouble = trouble
 
     def _say(self, text: str, kind: str) -> None:
-        at_ns = 0 if self._situation is None else self._situation.now_ns
-        self._lines.append(Line(at_ns * 1e-9, text, kind))
+        self._lines.append(Line(self._now_ns * 1e-9, text, kind))
 
     def _due(self, pose_s: float, rest_s: float) -> bool:
         """Count a turn; say whether it is time for another snapshot."""
@@ -177,6 +232,7 @@ class Desk:
         *,
         seen_from: VehicleState | None = None,
         mount: Mount | None = None,
+        lesson: Lesson | None = None,
     ) -> None:
         span_s = (self._turns[-1] - self._turns[0]) * 1e-9
         pose_ms, rest_ms = (median(part) for part in zip(*self._timings, strict=True))
@@ -194,7 +250,10 @@ class Desk:
             pose_ms,
             rest_ms,
             tuple(self._lines),
+            lesson,
+            tuple(self._whys),
         )
+        self._whys.clear()
         self._count += 1
         self.console.show(snapshot)
 

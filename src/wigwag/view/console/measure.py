@@ -19,14 +19,17 @@ from wigwag.errors import InputError, ViewError
 from wigwag.fly.values import Command
 from wigwag.gesture import Gesture
 from wigwag.pilot import Pilot
+from wigwag.recognise.explain import Example, Explanation
 from wigwag.rig import Rig
-from wigwag.skeleton import Clip, Pose
+from wigwag.skeleton import N_LANDMARKS, Clip, Pose
 from wigwag.view.console.console import Console
 from wigwag.view.onlookers import Onlookers
 
 LOADS = ("nobody", "viewers")
 """Who looks on while it is measured, one after the other, again and again."""
 _CONNECT_S = 60.0
+_FRAMES = 20
+"""Of a movement, as recognisers compare it."""
 
 
 class Asker:
@@ -44,6 +47,17 @@ class Asker:
         if command is None:
             return None
         return Gesture(command.value, 1.0, pose.stamp_ns - 2 * 10**9, pose.stamp_ns, pose.stamp_ns)
+
+    def explain(self) -> Explanation:
+        """Say why, at the length at which a recogniser does: the page has it to draw, as in a flight."""
+        views, movement = tuple(f"view {k}" for k in range(7)), np.zeros((_FRAMES, N_LANDMARKS, 3))
+        path = np.repeat(np.arange(_FRAMES)[:, None], 2, axis=1)
+        example = Example("orbit", "somebody's", 1.0, np.ones(len(views)), movement, path)
+        said = Gesture("orbit", 1.0)
+        return Explanation(
+            said, "orbit", "up", 1.0, 0.5, 1.0, 1.0, views, np.ones(len(views)), 1, 100, (example,) * 3,
+            movement, 2.0,
+        )  # fmt: skip
 
     def reset(self) -> None:
         """Begin anew."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 from collections.abc import Callable
 from html import escape
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import cv2
 import numpy as np
@@ -13,12 +13,17 @@ from jaxtyping import UInt8
 
 from wigwag.fly.tighten import DIALS, setting
 from wigwag.view.console.scene import Scene
+from wigwag.view.console.teaching import TeachingPanel
+from wigwag.view.console.text import line_html
 from wigwag.view.console.values import Ask, Button, Flight, Line, Picture, Snapshot
+from wigwag.view.console.why import WhyPanel
 from wigwag.view.draw import draw_body, draw_skeleton
+
+if TYPE_CHECKING:
+    from wigwag.view.console.console import ConsoleConfig
 
 _JPEG_QUALITY = 70
 _SHOWN_LINES = 9
-_COLORS = {"gesture": "#5fd39a", "mode": "#8ab4f8", "console": "#f2c94c", "alarm": "#ff7b72", "": "#c9d1d9"}
 _BUTTONS: tuple[tuple[Button, str, str, str], ...] = (
     (Button.STOP, "STOP", "red", "Hold at once. The next gesture is obeyed."),
     (Button.HOLD, "Hold", "orange", "Hold, and refuse gestures until somebody presses engage."),
@@ -32,24 +37,25 @@ class Page:
 
     Args:
         server: A ``viser.ViserServer``.
-        title: Stands above everything.
-        flies: Whether there is something to be stopped.
+        config: What it is called, and what can be done.
         ask: Is called with what somebody asks for, from threads of the server.
     """
 
-    def __init__(self, server: Any, title: str, flies: bool, ask: Callable[[Ask], None]) -> None:
-        self._server, self._ask, self._flies = server, ask, flies
+    def __init__(self, server: Any, config: ConsoleConfig, ask: Callable[[Ask], None]) -> None:
+        self._server, self._ask = server, ask
         gui = server.gui
         gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False, control_width="large")
         gui.main_panel.dock_right()
-        gui.set_panel_label(title)
+        gui.set_panel_label(config.title)
         self.scene = Scene(server)
         self._state = gui.add_html("waiting for the first picture ...")
+        self._teaching = TeachingPanel(gui, ask) if config.teaches else None
         for button, label, color, hint in _BUTTONS:
-            if flies or button is Button.ENGAGE:
+            if config.flies or (button is Button.ENGAGE and not config.teaches):
                 self._add_button(button, label, color, hint)
         self._picture = gui.add_html("")
         self._events = gui.add_html("")
+        self._why = WhyPanel(gui) if config.flies else None
         self._sliders: dict[str, Any] = {}
         self._set: dict[str, float] = {}
         """What each slider last was set to by us: where it stands otherwise, somebody has moved it."""
@@ -62,19 +68,27 @@ class Page:
         with self._server.atomic():
             self.scene.show(snapshot)
             self._state.content = state_html(snapshot)
+            if snapshot.lesson is not None and self._teaching is not None:
+                self._teaching.show(snapshot.lesson)
             if snapshot.lines != self._lines:
                 self._lines = snapshot.lines
                 self._events.content = events_html(snapshot.lines)
+            if self._why is not None:
+                self._why.show(snapshot.whys)
             if snapshot.flight is not None:
                 self._dials(snapshot.flight)
             if snapshot.picture is not None:
                 self._picture.content = picture_html(drawn(snapshot.picture, snapshot))
 
     def say_silent(self, silent_s: float) -> None:
-        """Say that the loop is silent, so that nobody takes an old picture for now."""
-        if self._shown:
-            text = f"no news for {silent_s:.0f} s: what is shown is old"
-            self._state.content = f'<div style="background:#a00;padding:.6em .8em"><b>{text}</b></div>'
+        """Say that the loop is silent, so that nobody takes an old picture for now; and why, if it learns."""
+        if not self._shown:
+            return
+        learns = "" if self._teaching is None else self._teaching.learning
+        text, color = f"no news for {silent_s:.0f} s: what is shown is old", "#a00"
+        if learns:
+            text, color = f"learning {learns} for {silent_s:.0f} s: what is shown is from before", "#0a5f8a"
+        self._state.content = f'<div style="background:{color};padding:.6em .8em"><b>{escape(text)}</b></div>'
 
     def _add_button(self, button: Button, label: str, color: str, hint: str) -> None:
         made = self._server.gui.add_button(label, color=color, hint=hint)
@@ -194,11 +208,7 @@ def _flight_rows(flight: Flight) -> list[tuple[str, str]]:
 
 def events_html(lines: tuple[Line, ...]) -> str:
     """Return the last events, the newest first."""
-    shown = "".join(
-        f'<div style="color:{_COLORS.get(line.kind, _COLORS[""])}">'
-        f'<span style="opacity:.6">{line.at_s:.1f} s</span> {escape(line.text)}</div>'
-        for line in reversed(lines[-_SHOWN_LINES:])
-    )
+    shown = "".join(line_html(line) for line in reversed(lines[-_SHOWN_LINES:]))
     return f'<div style="padding:.4em .8em;font-size:.85em;min-height:9em">{shown}</div>'
 
 

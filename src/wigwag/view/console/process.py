@@ -16,7 +16,7 @@ from wigwag.camera.extras import load
 from wigwag.errors import WigwagError
 from wigwag.view.console.gate import HEADERS, Gate
 from wigwag.view.console.slot import Slot
-from wigwag.view.console.values import Ask, Snapshot, newer
+from wigwag.view.console.values import Snapshot, newer
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -47,7 +47,7 @@ def serve(link: Connection, config: ConsoleConfig) -> None:
         return
     from wigwag.view.console.page import Page
 
-    page = Page(server, config.title, config.flies, lambda ask: tell(Ask.to_json(ask)))
+    page = Page(server, config, lambda ask: tell(ask.to_json()))
     shown = f"[{config.host}]" if ":" in config.host else config.host
     tell(json.dumps({"url": f"http://{shown}:{server.get_port()}"}).encode())
     slot: Slot[Snapshot] = Slot(newer)
