@@ -72,7 +72,7 @@ class FakeAutopilot(ABC):
         self._setpoint, self._setpoint_s = HOVER, -math.inf
         self._target_m: float | None = None
         """Height that a take-off climbs to."""
-        self._armed_s = self._landed_s = -math.inf
+        self._armed_s = self._landed_s = self._lifts_s = -math.inf
         self._home_m = self.config.amsl_m
         self._coder = self.mavlink.MAVLink(self, srcSystem=self.config.system, srcComponent=1)
         self._coder.robust_parsing = True
@@ -184,6 +184,8 @@ class FakeAutopilot(ABC):
 
     def _climb(self) -> Setpoint:
         assert self._target_m is not None
+        if self.now_s < self._lifts_s:
+            return HOVER
         return Setpoint((0.0, 0.0, min(self.config.climb_m_s, 1.5 * (self._target_m - self.height_m))))
 
     # Messages that come.
@@ -240,6 +242,7 @@ class FakeAutopilot(ABC):
             case 400:
                 return self._arm_request(message)
             case 22:
+                self._lifts_s = self.now_s + self.config.spool_up_s
                 return self._take_off(message)
             case _:
                 return UNSUPPORTED

@@ -36,6 +36,8 @@ class FakeConfig:
     """How long after its start its estimator is ready, and it can be armed."""
     amsl_m: float = 488.0
     """Altitude above the sea of the place where it stands."""
+    spool_up_s: float = 0.0
+    """How long its motors take from the request to take off until they lift it."""
     climb_m_s: float = 1.5
     descend_m_s: float = 1.0
     battery: float = 0.9

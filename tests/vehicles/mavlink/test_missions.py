@@ -88,6 +88,16 @@ def test_height_counts_from_where_it_stands_not_from_home_or_the_sea():
         assert flight.vehicle.state.position_m[2] == pytest.approx(3.0, abs=0.3)
 
 
+@pytest.mark.parametrize("make", FAKES)
+def test_motors_that_take_long_to_lift_are_waited_for(make):
+    """ArduPilot says that it stands until its motors have come up to speed."""
+    flight = connected(make(FakeConfig(spool_up_s=5.0)))
+    assert flight.vehicle.arm() and flight.vehicle.take_off(3.0)
+    flight.until(FlightMode.HOLDING)
+    assert flight.vehicle.state.denied == ""
+    assert flight.fake.height_m == pytest.approx(3.0, abs=0.5)
+
+
 def test_px4_gets_a_second_of_setpoints_before_offboard():
     flight = hovering(FakePx4())
     began = flight.vehicle.now_s

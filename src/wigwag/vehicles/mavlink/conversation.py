@@ -110,13 +110,16 @@ class Conversation:
         self._asked_ns[self.now_ns] = self.now_ns
         self.post(self._coder.timesync_encode(0, self.now_ns))
 
-    def command(self, request: CommandRequest, done: Callable[[], bool] | None = None) -> Procedure:
+    def command(
+        self, request: CommandRequest, done: Callable[[], bool] | None = None, within_s: float = 3.0
+    ) -> Procedure:
         """Send a command until it is acknowledged.
 
         Args:
             request: What to send.
             done: Whether it has happened, seen in what the autopilot tells. Seeing it is enough, should the
                 acknowledgement get lost; an acknowledgement alone is not.
+            within_s: How long after the acknowledgement it may take to happen.
         """
         name = self.autopilot.name if self.autopilot else "the autopilot"
         self._acks.pop(request.command, None)
@@ -134,7 +137,7 @@ class Conversation:
                 if result == _ACCEPTED and done is None:
                     return ""
                 if result in (_ACCEPTED, _IN_PROGRESS):
-                    deadline, accepted = self.now_ns + 3 * _S, True
+                    deadline, accepted = self.now_ns + round(within_s * _S), True
                 elif result is not None:
                     answer = _RESULTS.get(result, f"result {result}")
                     if result == _BUSY:

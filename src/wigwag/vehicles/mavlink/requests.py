@@ -11,7 +11,8 @@ _S = 1_000_000_000
 _ARM, _TAKE_OFF = 400, 22
 _FRESH_POSITION_S = 1.0
 _NEAR_M, _CALM_M_S = 0.3, 0.3
-_CLIMB_S, _SETTLE_S = 40.0, 8.0
+_CLIMB_S, _SETTLE_S, _SPOOL_UP_S = 40.0, 8.0, 9.0
+"""Large motors take seconds until they lift; ArduPilot says that it stands until then."""
 
 
 class Requests:
@@ -74,7 +75,7 @@ class Requests:
         request = CommandRequest(_TAKE_OFF, "take off", params)
         for mode in (getattr(autopilot, "take_off_mode", autopilot.arm_mode), autopilot.arm_mode):
             self._control.expect(mode, talk.now_ns)
-        reason = yield from talk.command(request, climbing)
+        reason = yield from talk.command(request, climbing, _SPOOL_UP_S)
         if reason:
             return reason
         return (yield from self._climb(height_m))
