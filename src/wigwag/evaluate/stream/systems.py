@@ -99,7 +99,7 @@ def teach_gesture_stream(lesson: Lesson, *, strange: bool = False) -> Listener:
 
 
 def teach_beside_deliberate(lesson: Lesson) -> Listener:
-    """Teach what :func:`teach_doubting` does, and as no command also what other people gesture deliberately."""
+    """Teach what ``teach_doubting`` does, and as no command also what other people gesture deliberately."""
     return teach_doubting(replace(lesson, background=lesson.background + lesson.deliberate))
 
 
