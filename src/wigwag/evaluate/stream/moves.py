@@ -98,5 +98,6 @@ def _runs(active: np.ndarray, gap: int) -> list[tuple[int, int]]:
 
 
 __all__ = [
-    "LULL_S", "MOVING_M_S", "MOVING_SHARE", "STRAY_SHARE", "cut_to_movement", "movement", "moves", "resampled",
+    "LULL_S", "MOVING_M_S", "MOVING_SHARE", "STRAY_SHARE", "cut_to_movement", "movement", "moves",
+    "resampled",
 ]  # fmt: skip
