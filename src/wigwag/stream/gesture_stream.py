@@ -13,7 +13,7 @@ from wigwag.skeleton import Clip, Pose
 from wigwag.stream.config import StreamConfig
 from wigwag.stream.prefix import Memory, PrefixModel
 from wigwag.stream.speaker import Look, Speaker, Thresholds
-from wigwag.stream.sureness import Sureness, doubted
+from wigwag.stream.sureness import Sureness
 from wigwag.stream.watcher import Hypothesis, WatchConfig, Watcher
 
 TAUGHT = "taught_"
@@ -40,7 +40,7 @@ class StreamModel:
         times = math.exp(-nearness)
         return Look(
             label,
-            float(doubted(self.sureness.probability(signs), self.prefixes.doubts[decided])),
+            float(self.sureness.probability(signs)),
             float(signs[3]),
             hypothesis.onset_ns,
             hypothesis.now_ns,

@@ -92,10 +92,9 @@ class Lesson:
             one.signs[:, 4] += np.log(typical[one.decided])
         self.model.typical = typical
         sureness, probabilities = self._be_sure(rehearsals)
-        choice = choose(rehearsals, probabilities, self.model.labels, config)
-        self.model.doubts = choice.doubts
+        thresholds = choose(rehearsals, probabilities, self.model.labels, config)
         self.model.limits = limits_of(rehearsals, len(self.model.labels))
-        return StreamModel(self.model, sureness, choice.thresholds, config)
+        return StreamModel(self.model, sureness, thresholds, config)
 
     def _folds(self) -> Int[np.ndarray, " streams"]:
         """Part streams by people into those that are left out together."""

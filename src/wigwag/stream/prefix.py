@@ -88,7 +88,6 @@ class PrefixModel:
         self.names = [clip.name for clip in clips]
         self.typical = np.ones(len(self.labels))
         self.limits = np.full(len(self.labels), np.inf)
-        self.doubts = np.zeros(len(self.labels))
         self.weights = np.zeros((0, len(self.labels) + 2), dtype=np.float32)
 
     def sides(self, clip: Clip) -> Sides:
@@ -152,7 +151,6 @@ class PrefixModel:
             "numbers": self.numbers,
             "typical": self.typical,
             "limits": self.limits,
-            "doubts": self.doubts,
         }
         return own | self.similar.arrays()
 
@@ -163,7 +161,6 @@ class PrefixModel:
         self.labels, self.names = tuple(facts["labels"]), list(facts["names"])
         self.weights, self.numbers = arrays["weights"], arrays["numbers"]
         self.typical, self.limits = arrays["typical"], arrays["limits"]
-        self.doubts = arrays.get("doubts", np.zeros(len(self.labels)))  # files of before had none
         self.similar.restore(arrays)
         return self
 

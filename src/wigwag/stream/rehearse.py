@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -12,20 +11,14 @@ from jaxtyping import Bool, Float, Int
 
 from wigwag.stream.config import StreamConfig
 from wigwag.stream.speaker import Look, Speaker, Thresholds
-from wigwag.stream.sureness import doubted
 from wigwag.stream.truth import Showing
 from wigwag.stream.watcher import Hypothesis
 
-_GOING_ON = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.93, 0.95, 0.97, 0.98, 0.985, 0.99, 0.995)
-_AT_REST = (0.3, 0.4, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99)
+_GOING_ON = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.93, 0.95, 0.97, 0.98, 0.985, 0.99, 0.995)
+_AT_REST = (0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99)
 _LEAST = min(*_GOING_ON, *_AT_REST)
 _EARLY = 0.02
 """How much better or worse thresholds may be for deciding everything before its end, or nothing."""
-
-_DOUBT, _MOST_DOUBT = 0.5, 8.0
-"""Log odds by which a gesture is doubted more, and at most."""
-
-_STRICTEST = Thresholds(_GOING_ON[-1], _AT_REST[-1])
 
 _ROOM = 1.15
 """The nearest example may be so many times as far as it has ever been when the label was right."""
@@ -58,8 +51,6 @@ class Tally:
     missed: int
     hours: float
     """Of all streams."""
-    everyday: Counter[str] = field(default_factory=Counter)
-    """Of the false ones, by label: those said on everyday movement."""
 
     @property
     def f1(self) -> float:
@@ -80,90 +71,28 @@ class Tally:
         return sure + _EARLY * earliness * self.early / max(self.found, 1)
 
 
-@dataclass(frozen=True, slots=True)
-class Choice:
-    """How sure to be."""
-
-    thresholds: Thresholds
-    doubts: Float[np.ndarray, " labels"]
-    """So much less is each gesture believed, log odds: those that everyday movement is taken for."""
-
-
 def choose(
     rehearsals: Sequence[Rehearsal],
     probabilities: Sequence[Float[np.ndarray, " looks"]],
     labels: Sequence[str],
     config: StreamConfig,
-) -> Choice:
+) -> Thresholds:
     """Return the thresholds of most worth that keep to the false commands allowed.
 
-    One pair for all gestures, or one with doubts of those gestures that are said on everyday movement, one
-    after the other, where that is worth more: else the gesture that is most like everyday movement, or like
-    what other people gesture, would silence all. If none keep to it, those with the fewest. A command said of
-    another gesture counts in the worth; it is no everyday movement, and nobody shows gestures for hours.
+    If none keep to it, those with the fewest. A command said of another gesture counts in the worth; it is
+    no everyday movement, and nobody shows gestures for hours.
     """
-    every = _Hearing(rehearsals, probabilities, labels, config)
-    certain = np.zeros(len(labels))
-    best, kept, free, wanted = (False, -np.inf, -np.inf), _STRICTEST, -np.inf, _STRICTEST
-    looks = every.looks(certain)
+    best, chosen = (False, -np.inf, -np.inf), Thresholds(_GOING_ON[-1], _AT_REST[-1])
+    looks = [_looks(one, sure, labels, config) for one, sure in zip(rehearsals, probabilities, strict=True)]
     for going_on, at_rest in product(_GOING_ON, _AT_REST):
         thresholds = Thresholds(going_on, at_rest)
         tally = hear(rehearsals, looks, config, thresholds)
-        if (worth := every.worth(tally)) >= best:
-            best, kept = worth, thresholds
-        if worth[-1] >= free:
-            free, wanted = worth[-1], thresholds
-    doubts = every.doubt(wanted)
-    if every.worth(hear(rehearsals, every.looks(doubts), config, wanted)) > best:
-        return Choice(wanted, doubts)
-    return Choice(kept, certain)
-
-
-class _Hearing:
-    """Streams that are heard again and again."""
-
-    def __init__(
-        self,
-        rehearsals: Sequence[Rehearsal],
-        probabilities: Sequence[Float[np.ndarray, " looks"]],
-        labels: Sequence[str],
-        config: StreamConfig,
-    ) -> None:
-        self.rehearsals, self.probabilities = rehearsals, probabilities
-        self.labels, self.config = labels, config
-
-    def looks(self, doubts: Float[np.ndarray, " labels"]) -> list[list[Look]]:
-        """Return what might be spoken of each stream."""
-        return [
-            _looks(one, doubted(sure, doubts[one.decided]), self.labels, self.config)
-            for one, sure in zip(self.rehearsals, self.probabilities, strict=True)
-        ]
-
-    def worth(self, tally: Tally) -> tuple[bool, float, float]:
-        """Return by what thresholds are compared: those that keep to what is allowed come first."""
-        keeps = tally.false_per_hour <= self.config.false_per_hour
-        return keeps, 0.0 if keeps else -tally.false_per_hour, tally.worth(self.config.earliness)
-
-    def doubt(self, thresholds: Thresholds) -> Float[np.ndarray, " labels"]:
-        """Doubt one gesture after the other, until no more is said on everyday movement than is allowed."""
-        doubts = np.zeros(len(self.labels))
-        tally = hear(self.rehearsals, self.looks(doubts), self.config, thresholds)
-        while tally.false_per_hour > self.config.false_per_hour:
-            tried = []
-            for label, said in tally.everyday.items():
-                number = self.labels.index(label)
-                if doubts[number] >= _MOST_DOUBT:
-                    continue
-                more = doubts.copy()
-                more[number] += _DOUBT
-                then = hear(self.rehearsals, self.looks(more), self.config, thresholds)
-                saved = tally.everyday.total() - then.everyday.total()
-                tried.append((saved - (tally.found - then.found), said, number, then))
-            if not tried:
-                break
-            _, _, number, tally = max(tried, key=lambda one: one[:3])
-            doubts[number] += _DOUBT
-        return doubts
+        keeps = tally.false_per_hour <= config.false_per_hour
+        least = 0.0 if keeps else -tally.false_per_hour
+        worth = (keeps, least, tally.worth(config.earliness))
+        if worth >= best:
+            best, chosen = worth, thresholds
+    return chosen
 
 
 def hear(
@@ -174,7 +103,6 @@ def hear(
 ) -> Tally:
     """Hear streams and count."""
     found = false = on_gestures = early = missed = 0
-    everyday: Counter[str] = Counter()
     hours = 0.0
     for one, seen in zip(rehearsals, looks, strict=True):
         speaker = Speaker(config, thresholds)
@@ -189,13 +117,10 @@ def hear(
                 early += look.now_ns <= wanted[mine[0]].end_ns
             else:
                 false += 1
-                if any(_meets(look, showing) for showing in one.truth):
-                    on_gestures += 1
-                else:
-                    everyday[look.label] += 1
+                on_gestures += any(_meets(look, showing) for showing in one.truth)
         missed += len(wanted) - len(answered)
         hours += one.duration_s / 3600
-    return Tally(found, false, on_gestures, early, missed, hours, everyday)
+    return Tally(found, false, on_gestures, early, missed, hours)
 
 
 def limits_of(rehearsals: Sequence[Rehearsal], labels: int) -> Float[np.ndarray, " labels"]:

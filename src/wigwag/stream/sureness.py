@@ -8,7 +8,7 @@ from typing import Self
 
 import numpy as np
 from jaxtyping import Bool, Float
-from scipy.special import expit, logit
+from scipy.special import expit
 
 _HIDDEN = 16
 _MOST_WRONG = 20_000
@@ -87,11 +87,3 @@ class Sureness:
             if name.startswith("sure_"):
                 setattr(self, name.removeprefix("sure_"), array)
         return self
-
-
-def doubted(
-    probability: Float[np.ndarray, "*looks"], doubt: Float[np.ndarray, "*looks"] | float
-) -> Float[np.ndarray, "*looks"]:
-    """Return probabilities with so much less log odds."""
-    inside = np.clip(probability, 1e-12, 1 - 1e-12)
-    return np.asarray(np.where(np.equal(doubt, 0), probability, expit(logit(inside) - doubt)))

@@ -5,7 +5,7 @@ from tests.datasets.trees import UTD, needs_utd
 from tests.evaluate.stream.people import RATE_HZ, swing
 from wigwag.datasets.utd_mhad import load_skeletons
 from wigwag.errors import InputError
-from wigwag.evaluate.stream.moves import cut_to_movement, movement, resampled
+from wigwag.evaluate.stream.moves import cut_to_movement, movement, moves, resampled
 from wigwag.skeleton import Clip
 
 
@@ -14,6 +14,15 @@ def test_rest_is_not_part_of_the_movement(still_s: tuple[float, float]) -> None:
     onset, end = movement(swing(still_s=still_s))
     assert onset == pytest.approx(still_s[0] + 0.2, abs=0.2)
     assert end == pytest.approx(still_s[0] + 1.6 - 0.2, abs=0.2)
+
+
+def test_who_stands_still_does_not_move() -> None:
+    clip = swing()
+    still = Clip(np.repeat(clip.joints[:1], len(clip), axis=0), clip.stamps_ns)
+    assert moves(clip)
+    assert not moves(still)
+    with pytest.raises(InputError, match="nobody moves"):
+        cut_to_movement(still)
 
 
 def test_it_does_not_depend_on_where_the_person_walks() -> None:

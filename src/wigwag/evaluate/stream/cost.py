@@ -15,6 +15,7 @@ import numpy as np
 from wigwag.datasets.utd_mhad import ACTIONS
 from wigwag.evaluate.stream.lessons import Lesson, folds, lesson, person_stream
 from wigwag.evaluate.stream.material import Material, shown_between
+from wigwag.evaluate.stream.moves import moves
 from wigwag.evaluate.stream.points import point_folds, point_lesson
 from wigwag.evaluate.stream.systems import system_of
 from wigwag.evaluate.stream.watch import poses_of
@@ -92,7 +93,8 @@ def _thirty(material: Material, seed: int) -> Lesson:
         return made
     people = sorted({str(r.stream.subject) for r in material.msrc12})
     more = point_lesson(material.msrc12, point_folds(people)[0], seed).gestures
-    return replace(made, gestures=made.gestures + [clip for clip in more if clip.label in MORE_GESTURES])
+    kept = [clip for clip in more if clip.label in MORE_GESTURES and moves(clip)]
+    return replace(made, gestures=made.gestures + kept)
 
 
 def _without_end(material: Material, taught: Lesson, seed: int) -> Iterator[Pose]:

@@ -50,6 +50,15 @@ def movement(clip: Clip) -> tuple[float, float]:
     return float(times[runs[0][0]]), float(times[runs[-1][1]])
 
 
+def moves(clip: Clip) -> bool:
+    """Say whether anybody moves in a clip."""
+    try:
+        movement(clip)
+    except InputError:
+        return False
+    return True
+
+
 def cut_to_movement(clip: Clip, margin_s: float = 0.05) -> Clip:
     """Return a recording without the rest before and after its movement.
 
@@ -89,5 +98,6 @@ def _runs(active: np.ndarray, gap: int) -> list[tuple[int, int]]:
 
 
 __all__ = [
-    "LULL_S", "MOVING_M_S", "MOVING_SHARE", "STRAY_SHARE", "cut_to_movement", "movement", "resampled",
+    "LULL_S", "MOVING_M_S", "MOVING_SHARE", "STRAY_SHARE", "cut_to_movement", "movement", "moves",
+    "resampled",
 ]  # fmt: skip

@@ -99,8 +99,8 @@ def teach_gesture_stream(lesson: Lesson, *, strange: bool = False) -> Listener:
 
 
 def teach_beside_deliberate(lesson: Lesson) -> Listener:
-    """Teach the same, and as no command also what other people gesture deliberately."""
-    return teach_gesture_stream(replace(lesson, background=lesson.background + lesson.deliberate))
+    """Teach what ``teach_doubting`` does, and as no command also what other people gesture deliberately."""
+    return teach_doubting(replace(lesson, background=lesson.background + lesson.deliberate))
 
 
 def teach_doubting(lesson: Lesson) -> Listener:
