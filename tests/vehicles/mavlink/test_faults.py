@@ -65,6 +65,18 @@ def test_what_is_old_disordered_or_no_number_is_refused_at_once(fake):
     assert vehicle.send(AHEAD, now_ns)
 
 
+def test_a_set_point_from_just_before_a_hold_does_not_steer_after_it(fake):
+    """The autopilot holds within a tenth of a second; what was sent last would be fresh for another tenth."""
+    flight = steered(fake, AHEAD)
+    assert flight.vehicle.send(AHEAD, flight.vehicle.now_ns)
+    assert flight.vehicle.hold()
+    held_s = flight.vehicle.now_s
+    flight.freeze(1.0)
+    assert fake.mode == (fake.HOLD if isinstance(fake, FakePx4) else fake.BRAKE)
+    sent = flight.sent("SET_POSITION_TARGET_LOCAL_NED", held_s)
+    assert not any(m.vx or m.vy for _, m in sent)
+
+
 def test_a_stamp_from_the_future_does_not_stay_fresh(fake):
     flight = steered(fake, AHEAD)
     assert flight.vehicle.send(AHEAD, flight.vehicle.now_ns + 5_000_000_000)
