@@ -1,5 +1,7 @@
 """Everything that goes wrong between wigwag and an autopilot, and how it ends."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -49,6 +51,37 @@ def test_nothing_older_than_a_quarter_of_a_second_is_sent(fake):
     flight.freeze(1.0)
     late = [m.vx or m.vy for at, m in flight.sent("SET_POSITION_TARGET_LOCAL_NED", hung_s + 0.25)]
     assert late and not any(late)
+
+
+def test_what_is_old_disordered_or_no_number_is_refused_at_once(fake):
+    flight = steered(fake, AHEAD)
+    vehicle, now_ns = flight.vehicle, flight.vehicle.now_ns
+    assert vehicle.send(AHEAD, now_ns)
+    assert not vehicle.send(AHEAD, now_ns - 300_000_000), "old"
+    assert not vehicle.send(AHEAD, now_ns - 20_000_000), "older than the one before"
+    for nothing in (math.nan, math.inf):
+        assert not vehicle.send(Setpoint((nothing, 0.0, 0.0)), now_ns)
+        assert not vehicle.send(Setpoint(yaw_rate_rad_s=nothing), now_ns)
+    assert vehicle.send(AHEAD, now_ns)
+
+
+def test_a_set_point_from_just_before_a_hold_does_not_steer_after_it(fake):
+    """The autopilot holds within a tenth of a second; what was sent last would be fresh for another tenth."""
+    flight = steered(fake, AHEAD)
+    assert flight.vehicle.send(AHEAD, flight.vehicle.now_ns)
+    assert flight.vehicle.hold()
+    held_s = flight.vehicle.now_s
+    flight.freeze(1.0)
+    assert fake.mode == (fake.HOLD if isinstance(fake, FakePx4) else fake.BRAKE)
+    sent = flight.sent("SET_POSITION_TARGET_LOCAL_NED", held_s)
+    assert not any(m.vx or m.vy for _, m in sent)
+
+
+def test_a_stamp_from_the_future_does_not_stay_fresh(fake):
+    flight = steered(fake, AHEAD)
+    assert flight.vehicle.send(AHEAD, flight.vehicle.now_ns + 5_000_000_000)
+    flight.freeze(0.5)
+    assert fake.received[-1][1].vx == 0.0 == fake.received[-1][1].vy
 
 
 def test_a_loop_that_stutters_is_not_put_on_hold(fake):
@@ -333,6 +366,16 @@ def test_a_fence_that_was_met_long_ago_does_not_make_a_pilot_a_failsafe():
     fake.pilot(FakeArduPilot.RTL)
     flight.turns(2.0)
     assert flight.vehicle.mode is FlightMode.MANUAL
+
+
+def test_a_pilot_who_takes_the_sticks_at_the_fence_is_a_pilot():
+    fake = FakeArduPilot(FakeConfig(radius_m=6.0))
+    fake.parameters["FENCE_ENABLE"] = (0, 2)  # it tells, and does nothing
+    flight = steered(fake, AHEAD)
+    flight.until(lambda: flight.vehicle.state.position_m[0] > 6.05, setpoint=AHEAD)
+    fake.pilot(FakeArduPilot.LOITER)
+    flight.turns(2.0)
+    assert flight.vehicle.mode is FlightMode.MANUAL and not flight.vehicle.hold()
 
 
 def test_a_pilot_gives_it_back_by_choosing_the_mode_that_listens():

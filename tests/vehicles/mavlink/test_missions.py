@@ -285,6 +285,16 @@ def test_met_in_the_air_what_hovers_is_taken_over_and_what_is_flown_by_stick_is_
     assert not third.hold()
 
 
+def test_met_in_the_air_in_a_failsafe_it_is_not_taken_over(fake):
+    hovering(fake)
+    fake.critical = True
+    second = TetheredVehicle(fake)
+    second.now_s = fake.now_s
+    second.connect()
+    assert second.mode is FlightMode.MANUAL
+    assert not second.hold()
+
+
 def test_configuration_is_checked():
     with pytest.raises(InputError, match="rate_hz must be 8 to 100"):
         MavlinkConfig(rate_hz=2)
