@@ -8,12 +8,30 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from wigwag.camera.frame import Frame
 from wigwag.errors import InputError
 from wigwag.pose.landmarker import Sighting
-from wigwag.pose.operator import OperatorConfig
+from wigwag.pose.operator import Claim, OperatorConfig, OperatorKeeper
+from wigwag.pose.people import People, Seen
 from wigwag.pose.region import Region
+from wigwag.skeleton import Pose, from_blazepose33
 
-from .staged import BLUE, GREEN, RED, Player, Stage, engaging, handed, raised, region_of, still, walks
+from .staged import (
+    BLUE,
+    CAMERA,
+    GREEN,
+    RED,
+    Player,
+    Stage,
+    body_of,
+    engaging,
+    handed,
+    raised,
+    region_of,
+    standing,
+    still,
+    walks,
+)
 
 
 def operator_at(x_m: float, z_m: float, **changes: object) -> Player:
@@ -123,6 +141,28 @@ def test_whoever_mingles_with_somebody_in_the_same_clothes_has_to_engage_again(
     if not back:
         assert stage.estimate.why == "the operator was too close to somebody alike and has to engage again"
         assert handed(stage.play(11.0))[0][0] == pytest.approx(10.05, abs=0.3)
+
+
+def looked_at(z_m: float) -> Seen:
+    points = standing(0.0, z_m)
+    body = body_of(points)
+    return Seen(body, region_of(body), Pose(from_blazepose33(points), np.ones(13), 0))
+
+
+@pytest.mark.parametrize("covered", [True, False])
+def test_a_mixture_with_whoever_begins_to_cover_the_operator_is_not_handed_on(covered: bool) -> None:
+    """The hips of two bodies in one: a third of a metre nearer in one frame, where somebody comes before."""
+    people = People()
+    keeper = OperatorKeeper(OperatorConfig(), people)
+    keeper.track = people.add(looked_at(4.0), 0)
+    depth = np.full((480, 640), 3900, np.uint16)
+    if covered:
+        depth[:, : round(CAMERA.cx - 0.02 * CAMERA.fx)] = 3300
+    now = 33_333_333
+    keeper.begin(Frame(np.zeros((480, 640, 3), np.uint8), depth, CAMERA, now))
+    assert (keeper.cover.nearer > 0.1) is covered and keeper.cover.nearer < keeper.config.hidden
+    assert (keeper.claim(looked_at(3.67), now) is Claim.NO) is covered
+    assert keeper.claim(looked_at(3.95), now) is Claim.YES, "as noisy as depth is"
 
 
 def bending(begin_s: float, end_s: float, depth_m: float = 0.3) -> Callable[[float], float]:

@@ -139,10 +139,10 @@ class OperatorKeeper:
         expected_m = track.expected_m(now, self._people.config.coast_s)
         self.cover = cover = cover_at(frame, expected_m, self._lean_m)
         self._learn_lean(cover, since_s, seen=track.age_s(now) <= config.glitch_s)
+        if cover.nearer >= config.touched and cover.range_m is not None:
+            self._before_m = (cover.range_m, now)
         if cover.nearer >= config.hidden:
             self._in_doubt, self._wary_ns = True, now
-            if cover.range_m is not None:
-                self._before_m = (cover.range_m, now)
         elif track.age_s(now) > 0.5:
             self._absent_s += since_s
         if self._people.close_to(track, now):
