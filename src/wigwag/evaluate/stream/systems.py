@@ -124,9 +124,9 @@ def _movable(clip: Clip) -> Clip:
 
 SYSTEMS: dict[str, Callable[[Lesson], Listener]] = {
     "stream": teach_gesture_stream,
-    "stream+msrc12": teach_beside_deliberate,
-    "stream+strange": teach_doubting,
     "spotter": teach_spotter,
+    "stream+strange": teach_doubting,
+    "stream+msrc12": teach_beside_deliberate,
 }
 """Every system by its name: from a lesson to a listener."""
 
