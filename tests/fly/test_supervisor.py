@@ -101,6 +101,33 @@ def move(sent: Setpoint | None) -> bool:
     return sent is not None and sent != HOVER
 
 
+def test_a_landing_shown_briefly_is_not_half_of_a_take_off() -> None:
+    scene = Scene()
+    scene.turns(2.0)
+    scene.turn(Command.LAND, held_s=0.4)
+    scene.turns(2.0)
+    assert scene.turn(Command.TAKE_OFF, held_s=0.5).reason == "take_off: show it again to confirm"
+
+
+def test_a_confirmation_counts_once() -> None:
+    scene = Scene()
+    scene.turns(2.0)
+    scene.turn(Command.TAKE_OFF, held_s=0.5)
+    scene.turns(2.0)
+    assert scene.turn(Command.TAKE_OFF, held_s=0.5).mode is Mode.ARMING
+    assert scene.turn(Command.STOP).mode is Mode.READY
+    scene.turns(3.0)
+    assert scene.turn(Command.TAKE_OFF, held_s=0.5).reason == "take_off: show it again to confirm"
+
+
+def test_a_clock_that_is_set_back_makes_nothing_younger() -> None:
+    scene = flying(mode=Mode.HOLDING)
+    scene.stick("pose_ns")
+    scene.turns(20.0)
+    scene.turn(passed_s=-60.0)
+    scene.until(Mode.LANDING, LIMITS.land_when_lost_s - 20.0 + 1.0)
+
+
 def test_reasons_are_said() -> None:
     scene = flying()
     assert scene.turn(Command.TAKE_OFF).reason == "take_off: not while following"
