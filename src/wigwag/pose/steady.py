@@ -1,8 +1,9 @@
 """What is handed on becomes steady: with depth only what is hardly seen, without depth all of it.
 
 Recognisers hear poses as they are measured by depth: beside that, on the demo's flights, ``PoseFilter`` had
-commands decided a tenth of a second earlier and missed as many or one more (``smooth="always"`` turns it on). Without
-depth a person's distance jitters by a share of itself, and every landmark with it; there it is needed.
+commands decided a tenth of a second earlier and missed as many or one more (``smooth="always"`` turns it
+on). Without depth a person's distance jitters by a share of itself, and every landmark with it; there it is
+needed.
 """
 
 from __future__ import annotations
