@@ -4,9 +4,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wigwag.camera.align import DepthAligner, Extrinsic
-from wigwag.camera.extras import load_realsense
 from wigwag.camera.frame import Intrinsics
 from wigwag.errors import InputError, MissingExtraError
+from wigwag.extras import load_realsense
 
 from .software import COLOR, DEPTH, SIDEWAYS, SoftwareRealSense
 

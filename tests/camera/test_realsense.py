@@ -4,11 +4,11 @@ import sys
 import numpy as np
 import pytest
 
-from wigwag.camera.extras import load_realsense
 from wigwag.camera.live import LiveCamera
 from wigwag.camera.playback import Playback
 from wigwag.camera.realsense import RealSenseConfig, RealSenseSource
 from wigwag.errors import CameraError, DataError, InputError, MissingExtraError
+from wigwag.extras import load_realsense
 
 from .fakes import picture
 from .software import COLOR, DEPTH, SoftwareRealSense

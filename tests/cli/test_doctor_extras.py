@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from wigwag.camera.extras import pip_install
 from wigwag.cli import doctor
 from wigwag.cli.doctor import Finding, check_extras, install_line
+from wigwag.extras import pip_install
 
 HERE = ".".join(map(str, sys.version_info[:2]))
 

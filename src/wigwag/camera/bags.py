@@ -15,12 +15,12 @@ from jaxtyping import UInt16
 from wigwag.camera.align import DepthAligner
 from wigwag.camera.bag_topics import Topics, choose, transform
 from wigwag.camera.calibration import check_intrinsics
-from wigwag.camera.extras import load
 from wigwag.camera.frame import Frame, Intrinsics
 from wigwag.camera.lens import Lens, LensConfig
 from wigwag.camera.protocol import Source
 from wigwag.camera.ros_images import depth_of, intrinsics_of, rgb_of
 from wigwag.errors import DataError, InputError
+from wigwag.extras import load
 
 
 @dataclass(frozen=True, slots=True)

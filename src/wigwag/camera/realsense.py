@@ -13,11 +13,11 @@ from jaxtyping import UInt8
 
 from wigwag.camera.calibration import check_intrinsics
 from wigwag.camera.clock import DeviceClock
-from wigwag.camera.extras import load_realsense
 from wigwag.camera.frame import Frame, Intrinsics
 from wigwag.camera.pictures import as_rgb, to_millimetres
 from wigwag.camera.protocol import Source
 from wigwag.errors import CameraError, DataError, InputError
+from wigwag.extras import load_realsense
 
 
 @dataclass(frozen=True, slots=True)

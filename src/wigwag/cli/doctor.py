@@ -15,8 +15,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Literal
 
-from wigwag.camera.extras import pip_install
 from wigwag.errors import InputError, ModelError
+from wigwag.extras import pip_install
 
 State = Literal["ok", "missing", "optional"]
 
@@ -222,7 +222,7 @@ def _trouble_loading(extra: str, packages: list[str]) -> str:
     )
     code = "import importlib, sys\nfor name in sys.argv[1:]: importlib.import_module(name)"
     if extra == "realsense":  # it needs libusb loaded before it
-        code, modules = "from wigwag.camera.extras import load_realsense as load; load('doctor')", []
+        code, modules = "from wigwag.extras import load_realsense as load; load('doctor')", []
     try:
         done = subprocess.run(
             [sys.executable, "-c", code, *modules],

@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int
 
-from wigwag.camera.extras import load
 from wigwag.datasets.folder import FRAME, UNITS
 from wigwag.datasets.notes import Notes
 from wigwag.datasets.staged import staged_file
 from wigwag.errors import DataError, InputError
+from wigwag.extras import load
 from wigwag.skeleton import LANDMARKS, N_LANDMARKS, Clip
 
 FORMAT = "wigwag-clips"

@@ -15,8 +15,8 @@ from typing import Any, Literal
 import numpy as np
 from jaxtyping import Float
 
-from wigwag.camera.extras import load, pip_install
 from wigwag.errors import MissingExtraError, ModelError
+from wigwag.extras import load, pip_install
 from wigwag.pose.blazepose import check_picture
 from wigwag.pose.body import Body
 from wigwag.pose.bundle import task_file

@@ -12,8 +12,8 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from wigwag.camera.extras import load
 from wigwag.errors import InputError
+from wigwag.extras import load
 from wigwag.record.scribe import Scribe
 
 MAGIC = b"\x89MCAP0\r\n"

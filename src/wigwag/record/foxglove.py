@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from wigwag.camera.extras import load
 from wigwag.camera.frame import Frame, Intrinsics
+from wigwag.extras import load
 from wigwag.fly.operator import Mount
 from wigwag.fly.values import VehicleState
 from wigwag.skeleton import BONES, LANDMARKS, Pose

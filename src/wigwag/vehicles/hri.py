@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from wigwag.camera.extras import load
 from wigwag.camera.frame import Intrinsics
+from wigwag.extras import load
 from wigwag.gesture import Gesture
 from wigwag.skeleton import Landmark, Pose
 from wigwag.vehicles.rclnode import RclNode

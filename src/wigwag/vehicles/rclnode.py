@@ -7,8 +7,8 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from wigwag.camera.extras import load
 from wigwag.errors import VehicleError
+from wigwag.extras import load
 
 
 class RclNode:

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from wigwag.camera.address import Address
-from wigwag.camera.extras import load
 from wigwag.errors import InputError
+from wigwag.extras import load
 from wigwag.fly.values import Setpoint
 from wigwag.vehicles.odometry import state_of
 from wigwag.vehicles.protocol import Capabilities

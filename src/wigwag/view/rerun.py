@@ -11,9 +11,9 @@ import cv2
 import numpy as np
 from jaxtyping import Float
 
-from wigwag.camera.extras import load
 from wigwag.camera.frame import Frame, Intrinsics
 from wigwag.errors import InputError, ViewError
+from wigwag.extras import load
 from wigwag.fly.limits import SupervisorConfig
 from wigwag.fly.operator import Mount, rotation
 from wigwag.fly.values import VehicleState

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from wigwag.camera import extras
+from wigwag import extras
 from wigwag.errors import InputError, MissingExtraError, ViewError, WigwagError
 from wigwag.fly.operator import Mount
 from wigwag.view.console import process

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from wigwag.camera.extras import load
+from wigwag.extras import load
 
 TAKES_VELOCITY = 0x1 | 0x2 | 0x4 | 0x40 | 0x80 | 0x100 | 0x400
 """``type_mask`` of SET_POSITION_TARGET_LOCAL_NED: position, acceleration and yaw are ignored; velocity and

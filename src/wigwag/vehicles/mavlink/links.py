@@ -7,8 +7,8 @@ import time
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from wigwag.camera.extras import load
 from wigwag.errors import InputError, VehicleError
+from wigwag.extras import load
 
 _WAIT_S = 0.1
 _PEER_SILENT_NS = 2_000_000_000

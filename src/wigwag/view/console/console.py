@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from wigwag.camera.extras import require
 from wigwag.errors import InputError, ViewError
+from wigwag.extras import require
 from wigwag.view.console.gate import Gate, is_loopback
 from wigwag.view.console.slot import Slot
 from wigwag.view.console.values import Ask, Snapshot, newer

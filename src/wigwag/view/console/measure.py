@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from wigwag.camera.extras import load
 from wigwag.errors import InputError, ViewError
+from wigwag.extras import load
 from wigwag.fly.values import Command
 from wigwag.gesture import Gesture
 from wigwag.pilot import Pilot

@@ -12,8 +12,8 @@ from collections.abc import Awaitable, Callable
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TextIO
 
-from wigwag.camera.extras import load
 from wigwag.errors import WigwagError
+from wigwag.extras import load
 from wigwag.view.console.gate import HEADERS, Gate
 from wigwag.view.console.slot import Slot
 from wigwag.view.console.values import Snapshot, newer
