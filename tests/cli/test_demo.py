@@ -13,7 +13,8 @@ from rich.console import Console
 
 from wigwag.camera import Frame
 from wigwag.cli.app import run
-from wigwag.cli.demo import Demo, Untaught, account, account_of, fly, pose_estimator, write
+from wigwag.cli.demo import Demo, Untaught
+from wigwag.cli.demo_flight import account, account_of, fly, pose_estimator, write
 from wigwag.errors import InputError, ModelError
 from wigwag.fly.supervisor import Mode
 from wigwag.fly.values import Command

@@ -9,7 +9,8 @@ import pytest
 from rich.console import Console
 
 from wigwag.cli.app import run
-from wigwag.cli.demo import Demo, fly, pose_estimator
+from wigwag.cli.demo import Demo
+from wigwag.cli.demo_flight import fly, pose_estimator
 from wigwag.errors import InputError, ModelError
 from wigwag.record.flight import Flight
 from wigwag.record.replay import Comparison, Replay

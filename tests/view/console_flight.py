@@ -23,7 +23,8 @@ from wigwag.fly.values import Command
 from wigwag.pilot import Pilot, Step
 from wigwag.pose.estimator import PoseConfig, PoseEstimator
 from wigwag.rig import open_rig
-from wigwag.view.console.console import Console, ConsoleConfig
+from wigwag.view.console.config import ConsoleConfig
+from wigwag.view.console.console import Console
 from wigwag.view.onlookers import Onlookers
 
 

@@ -16,7 +16,8 @@ from tests.view.console.test_console import snapshot
 from tests.view.console_flight import fly
 from wigwag.errors import ModelError
 from wigwag.pose.blazepose import BlazePose
-from wigwag.view.console.console import Console, ConsoleConfig
+from wigwag.view.console.config import ConsoleConfig
+from wigwag.view.console.console import Console
 from wigwag.view.draw import RIGHT
 
 NOSE = (255, 210, 60)

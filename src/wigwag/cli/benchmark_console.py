@@ -44,8 +44,8 @@ class ConsoleBenchmark:
         from wigwag.pilot import Pilot
         from wigwag.pose.estimator import PoseConfig, PoseEstimator
         from wigwag.rig import open_rig
+        from wigwag.view.console.config import ConsoleConfig
         from wigwag.view.console.console import Console as Page
-        from wigwag.view.console.console import ConsoleConfig
         from wigwag.view.console.measure import Asker, measure
 
         if not (1 <= self.viewers <= 200 and 1 <= self.rounds <= 1000 and 5 <= self.turns <= 10_000):

@@ -29,7 +29,7 @@ COMMANDS_EACH, OTHERS_EACH = 10, 5
 
 def fly_recorded(demo: Demo, console: Console, onlookers: Onlookers) -> dict[str, Any]:
     """Show each of four people's recordings of the six classes one by one, then fly a stream of theirs."""
-    from wigwag.cli.demo import account_of, fly, write
+    from wigwag.cli.demo_flight import account_of, fly, write
     from wigwag.evaluate.flight import FlightLog, summarise
     from wigwag.evaluate.recorded import SHOWN
     from wigwag.sim.script import ScriptConfig, plan_replays
@@ -87,7 +87,7 @@ def fly_recorded(demo: Demo, console: Console, onlookers: Onlookers) -> dict[str
 
 def _taught(data: Path, recognizer: str, console: Console) -> tuple[Any, Any, PoseEstimator, int, bytes]:
     """Return recognisers for the stream and of the six classes alone, pose chain, clips, the first's file."""
-    from wigwag.cli.demo import load_recogniser, pose_estimator
+    from wigwag.cli.demo_flight import load_recogniser, pose_estimator
     from wigwag.datasets.utd_mhad import load_skeletons
     from wigwag.evaluate.lessons import RECOGNISERS, closed_of, warm_up
     from wigwag.evaluate.recorded import teach_recorded

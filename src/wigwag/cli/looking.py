@@ -63,8 +63,8 @@ class Looking:
 
                 rerun = RerunView(save=self.save, spawn=self.view)
             if self.console:
+                from wigwag.view.console.config import ConsoleConfig
                 from wigwag.view.console.console import Console as Page
-                from wigwag.view.console.console import ConsoleConfig
 
                 config = ConsoleConfig.at(self.console_at, self.console_token, flies=flies, teaches=teaches)
                 page = Page(config)

@@ -16,7 +16,8 @@ from wigwag import extras
 from wigwag.errors import InputError, MissingExtraError, ViewError, WigwagError
 from wigwag.fly.operator import Mount
 from wigwag.view.console import process
-from wigwag.view.console.console import PICTURE_PX, Console, ConsoleConfig
+from wigwag.view.console.config import ConsoleConfig
+from wigwag.view.console.console import PICTURE_PX, Console
 from wigwag.view.console.gate import Gate
 from wigwag.view.console.measure import _looking
 from wigwag.view.console.slot import Slot

@@ -9,7 +9,7 @@ from unittest.mock import MagicMock
 
 from tests.view.console.test_console import snapshot
 from tests.view.console.test_desk import Teller, lesson
-from wigwag.view.console.console import ConsoleConfig
+from wigwag.view.console.config import ConsoleConfig
 from wigwag.view.console.page import Page
 from wigwag.view.console.values import KEPT_WHYS, Ask, Button, Why
 

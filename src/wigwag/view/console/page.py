@@ -20,7 +20,7 @@ from wigwag.view.console.why import WhyPanel
 from wigwag.view.draw import draw_body, draw_skeleton
 
 if TYPE_CHECKING:
-    from wigwag.view.console.console import ConsoleConfig
+    from wigwag.view.console.config import ConsoleConfig
 
 _JPEG_QUALITY = 70
 _SHOWN_LINES = 9

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from multiprocessing.connection import Connection
 
-    from wigwag.view.console.console import ConsoleConfig
+    from wigwag.view.console.config import ConsoleConfig
 
 PAGE_HZ = 10.0
 """How often the page is drawn anew at most."""
