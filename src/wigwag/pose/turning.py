@@ -8,12 +8,17 @@ from jaxtyping import Float, UInt8
 
 from wigwag.camera.frame import Intrinsics
 
+_Grey = UInt8[np.ndarray, "rows columns"]
+
 _WIDTH = 160
 """Pixels to which the picture is shrunk: small enough to take a millisecond and to be free of noise."""
 _POINTS, _LEAST = 60, 8
 """How many corners are followed, and with how few nothing is known (a cut, a black frame, a blank wall)."""
 _DISAGREE = 1.5
 """Small pixels: if half of the corners are off the median by more, the pictures show different things."""
+_ALIKE = 0.5
+"""How sharp the peak of two pictures' phases has to be: it was 0.67 and more in a jerk of 86 pixels, and
+is 0.14 in the middle for photos of different people."""
 _STOP = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 12, 0.02)
 
 
@@ -22,6 +27,8 @@ class PictureShift:
 
     A drone pitches and yaws, and who stands a few metres away moves by a metre in its camera's frame, though
     they stand still. Most corners are of the background; the median takes no notice of people who walk.
+    Corners are not found again after a jerk of 80 pixels a frame; then the phases of the whole pictures are
+    compared (Kuglin, Hines 1975), which is coarser.
 
     Example:
         >>> picture = np.random.default_rng(0).integers(0, 255, (480, 640, 3), dtype=np.uint8)
@@ -46,22 +53,34 @@ class PictureShift:
         last, self._last = self._last, now
         if last is None or last.shape != now.shape:
             return 0.0, 0.0
-        corners = cv2.goodFeaturesToTrack(last, _POINTS, 0.003, _WIDTH / 28, blockSize=5)
-        if corners is None or len(corners) < _LEAST:
-            return 0.0, 0.0
-        moved, found, _ = cv2.calcOpticalFlowPyrLK(
-            last, now, corners, None, winSize=(11, 11), maxLevel=2, criteria=_STOP
-        )
-        flow = (moved - corners)[found.ravel() == 1].reshape(-1, 2)
-        if len(flow) < _LEAST:
-            return 0.0, 0.0
-        middle = np.median(flow, axis=0)
-        away = np.linalg.norm(flow - middle, axis=1)
-        if float(np.median(away)) > _DISAGREE:
-            return 0.0, 0.0
-        alike = flow[away <= max(1.0, 1.5 * float(np.median(away)))]
-        u, v = alike.mean(axis=0)
-        return float(u) * width / size[0], float(v) * height / size[1]
+        moved = _by_corners(last, now) or _by_phase(last, now) or (0.0, 0.0)
+        return moved[0] * width / size[0], moved[1] * height / size[1]
+
+
+def _by_corners(last: _Grey, now: _Grey) -> tuple[float, float] | None:
+    """Return the movement that most corners share, small pixels; ``None``: they are too few, or disagree."""
+    corners = cv2.goodFeaturesToTrack(last, _POINTS, 0.003, _WIDTH / 28, blockSize=5)
+    if corners is None or len(corners) < _LEAST:
+        return None
+    moved, found, _ = cv2.calcOpticalFlowPyrLK(
+        last, now, corners, None, winSize=(11, 11), maxLevel=2, criteria=_STOP
+    )
+    flow = (moved - corners)[found.ravel() == 1].reshape(-1, 2)
+    if len(flow) < _LEAST:
+        return None
+    middle = np.median(flow, axis=0)
+    away = np.linalg.norm(flow - middle, axis=1)
+    if float(np.median(away)) > _DISAGREE:
+        return None
+    u, v = flow[away <= max(1.0, 1.5 * float(np.median(away)))].mean(axis=0)
+    return float(u), float(v)
+
+
+def _by_phase(last: _Grey, now: _Grey) -> tuple[float, float] | None:
+    """Return the movement of the whole picture, small pixels; ``None``: they are not of the same things."""
+    window = cv2.createHanningWindow((now.shape[1], now.shape[0]), cv2.CV_32F)
+    (u, v), alike = cv2.phaseCorrelate(last.astype(np.float32), now.astype(np.float32), window)
+    return (float(u), float(v)) if alike >= _ALIKE else None
 
 
 def turned(
