@@ -42,7 +42,7 @@ def test_a_turn_moves_the_picture(
 
 @pytest.mark.parametrize("down_deg", [-12.0, -9.0, 6.0, 9.0])
 def test_a_jerk_moves_the_picture(renderer: Renderer, down_deg: float) -> None:
-    """A drone that brakes pitches by up to 9 degrees within a frame; corners are not always found again then."""
+    """A drone that brakes pitches by up to 9 degrees a frame; corners are not always found again."""
     shift = PictureShift()
     shift(seen(renderer, 0.0, 0.0))
     _, down_px = shift(seen(renderer, 0.0, down_deg))
