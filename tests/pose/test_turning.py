@@ -60,6 +60,17 @@ def test_people_who_walk_through_do_not_turn_the_camera(renderer: Renderer) -> N
     assert np.abs(shift(other)).max() < 1.0
 
 
+def test_who_moves_before_a_blank_wall_does_not_turn_the_camera() -> None:
+    figure = cv2.GaussianBlur(
+        np.random.default_rng(1).integers(0, 255, (300, 130, 3), dtype=np.uint8), (0, 0), 3
+    )
+    shift, frames = PictureShift(), np.full((2, 480, 640, 3), 120, np.uint8)
+    for frame, left in zip(frames, (200, 360), strict=True):
+        frame[150:450, left : left + 130] = figure
+    shift(frames[0])
+    assert shift(frames[1]) == (0.0, 0.0)
+
+
 def test_what_tells_nothing_moves_nothing() -> None:
     shift, random = PictureShift(), np.random.default_rng(0)
     black, grey = np.zeros((480, 640, 3), np.uint8), np.full((480, 640, 3), 128, np.uint8)
