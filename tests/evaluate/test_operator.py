@@ -6,7 +6,17 @@ import numpy as np
 import pytest
 
 from wigwag.errors import ModelError
-from wigwag.evaluate.operator import CONDITIONS, Condition, Moment, Staged, play, stage, summarise
+from wigwag.evaluate.operator import (
+    CONDITIONS,
+    DISTANCES_M,
+    Condition,
+    Moment,
+    Staged,
+    following,
+    play,
+    stage,
+    summarise,
+)
 from wigwag.pose.estimator import PoseEstimator
 from wigwag.sim.gestures import perform
 from wigwag.sim.motion import Operator
@@ -70,3 +80,9 @@ def test_one_frame_of_somebody_else_spoils_a_crossing() -> None:
     bad = [good[0], (begin + 0.5, 1.0, 0.1, False), good[2]]
     record = summarise(staged, moments(*bad))
     assert (record["kept"], record["frames_of_passerby"]) == (0, 1)
+
+
+@pytest.mark.parametrize("distance_m", DISTANCES_M)
+def test_a_drone_can_follow_at_every_distance_that_is_measured(distance_m: float) -> None:
+    config = following(distance_m)
+    assert config.goal.distance_m == distance_m < config.supervisor.max_distance_m

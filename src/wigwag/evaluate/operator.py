@@ -308,12 +308,23 @@ def play(
     timed = _Timed(estimator, clock)
     pilot = None
     if staged.condition.follows:
-        goal = replace(PilotConfig().goal, distance_m=staged.distance_m, altitude_m=1.3)
-        pilot = Pilot(timed, Mute(), world.vehicle, config=PilotConfig(goal=goal))
+        pilot = Pilot(timed, Mute(), world.vehicle, config=following(staged.distance_m))
     for _ in range(int(staged.duration_s * world.config.rate_hz)):
         frame = world.step()
         pose = pilot.step(frame, world.now_ns).pose if pilot is not None else timed(frame)
         yield frame, _judge(pose, world.truth, frame.intrinsics, timed.ms)
+
+
+def following(distance_m: float) -> PilotConfig:
+    """Return the settings of a flight that keeps a distance, also one beyond what operators can ask for."""
+    usual = PilotConfig()
+    bounds, limits = usual.movement, usual.supervisor
+    return replace(
+        usual,
+        goal=replace(usual.goal, distance_m=distance_m, altitude_m=1.3),
+        movement=replace(bounds, max_distance_m=max(bounds.max_distance_m, distance_m)),
+        supervisor=replace(limits, max_distance_m=max(limits.max_distance_m, distance_m + 2.0)),
+    )
 
 
 class _Timed:
@@ -417,6 +428,7 @@ __all__ = [
     "Moment",
     "Staged",
     "measure",
+    "following",
     "play",
     "stage",
     "summarise",
