@@ -11,6 +11,7 @@ from wigwag.camera import Frame, Intrinsics
 from wigwag.errors import InputError
 from wigwag.fly.follow import Goal
 from wigwag.fly.movements import MovementConfig
+from wigwag.fly.operator import Mount
 from wigwag.fly.situation import Craft, Mode
 from wigwag.fly.values import HOVER, Command, Setpoint, VehicleState
 from wigwag.gesture import Gesture
@@ -500,3 +501,36 @@ def test_a_vehicle_found_in_the_air_may_be_held_until_the_first_command() -> Non
     pilot = Pilot(flight.sight, Silent(), drone, clock=lambda: 0.0, in_the_air=Mode.HOLDING)  # type: ignore[arg-type]
     drone.state = VehicleState(np.array([0.0, 0.0, 1.2]), np.zeros(3), 0.0, S)
     assert pilot.step(good(S), S).verdict.mode is Mode.HOLDING
+
+
+def seeing(config: PilotConfig) -> Flight:
+    flight = Flight()
+    flight.pilot = Pilot(flight.sight, Silent(), flight.drone, clock=lambda: 0.0, config=config)  # type: ignore[arg-type]
+    flight.pilot.spotter = flight.prompter  # type: ignore[assignment]
+    return flight
+
+
+def test_what_the_camera_would_not_see_is_not_flown_and_that_is_told() -> None:
+    def wide(now_ns: int) -> Frame:
+        return Frame(PICTURE, DEPTH, Intrinsics(fy=300.0), now_ns)
+
+    for frame, says in ((good, "up: 0.1 m instead of 0.4 m; the camera would not see your legs"), (wide, "")):
+        flight = seeing(PilotConfig(goal=Goal(3.0, 1.2)))
+        flight.sight.at_m = (0.0, 0.2, 2.9)
+        flight.turns(1.5, frame)
+        step = flight.turn("up", frame)
+        assert step.verdict.accepted is Command.UP and step.verdict.mode is Mode.EXECUTING
+        assert step.verdict.reason.startswith(says) and bool(step.verdict.reason) == bool(says)
+
+
+def test_a_camera_that_looks_down_sees_the_operator_from_higher() -> None:
+    def over_hips_m(pitch_rad: float) -> float:
+        bounds = MovementConfig(min_altitude_m=0.6, max_altitude_m=4.0)
+        flight = seeing(PilotConfig(mount=Mount(pitch_down_rad=pitch_rad), movement=bounds))
+        flight.turns(1.5)
+        helm = flight.pilot.helm
+        assert helm.law.level_m is not None
+        return helm.movement.heights_m(4.5)[1] - helm.law.level_m
+
+    assert over_hips_m(0.0) == pytest.approx(0.92, abs=0.01)
+    assert over_hips_m(0.25) == pytest.approx(2.27, abs=0.01)

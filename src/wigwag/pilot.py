@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 
-from wigwag.camera import Frame
+from wigwag.camera import Frame, Intrinsics
 from wigwag.errors import InputError
 from wigwag.fly.follow import FollowConfig, Goal, wrap
 from wigwag.fly.helm import Helm
@@ -19,6 +19,7 @@ from wigwag.fly.operator import Mount, OperatorTrack, TrackConfig, rotation
 from wigwag.fly.situation import Action, Craft, Mode, Permit, Situation, Verdict
 from wigwag.fly.supervisor import Supervisor
 from wigwag.fly.values import Command, Setpoint, VehicleState
+from wigwag.fly.view import View
 from wigwag.gesture import Gesture
 from wigwag.skeleton import Pose
 from wigwag.stream.listener import Listener, listening
@@ -162,6 +163,7 @@ class Pilot:
         refused."""
         self.calls = 0
         """How often somebody at the console has called for an operator."""
+        self._lens: Intrinsics | None = None
         self._camera_ns: int | None = None
         self._rested_ns: int | None = None
         self._deaf_ns: int | None = None
@@ -222,6 +224,14 @@ class Pilot:
             self.trouble = str(error)
             return None
         self._camera_ns = now_ns
+        if frame.intrinsics != self._lens:
+            self._lens, bounds = frame.intrinsics, self.config.movement
+            self.helm.look(
+                View.through(
+                    frame.intrinsics, self.config.mount, bounds.above_hips_m, bounds.below_hips_m,
+                    bounds.view_margin_rad,
+                )
+            )  # fmt: skip
         return pose
 
     def _hear(self, movement: Pose | None, now_ns: int) -> Gesture | None:
@@ -273,7 +283,8 @@ class Pilot:
         before, track = self.supervisor.mode, self.track
         situation = self._situation(command, held_s, state, now_ns)
         verdict = self.supervisor.step(situation)
-        self.helm.enter(before, verdict, track, state)
+        if told := self.helm.enter(before, verdict, track, state):
+            verdict = replace(verdict, reason=told)
         wish = self.helm.wish(verdict.mode, track, state, now_ns)
         sent = self.supervisor.permit(situation, wish)
         if sent.setpoint is not None:

@@ -89,8 +89,9 @@ class Flying:
         if self.recorder is not None:
             self.recorder.turn(glimpse.frame, glimpse.now_ns, step)
         if step.verdict.row:
-            text = f"{glimpse.now_ns * 1e-9:9.1f} s  {step.verdict.row}: {step.verdict.mode}"
-            self.console.print(text, highlight=False)
+            why = f" ({step.verdict.reason})" if step.verdict.reason else ""
+            text = f"{glimpse.now_ns * 1e-9:9.1f} s  {step.verdict.row}: {step.verdict.mode}{why}"
+            self.console.print(text, highlight=False, markup=False)
         live.update(_line(step, glimpse.health.reason or self.pilot.trouble or self.onlookers.trouble))
         self.onlookers.turn(glimpse.frame, step, glimpse.health.reason)
 

@@ -80,7 +80,7 @@ class FollowLaw:
         self._flown: deque[tuple[int, Float[np.ndarray, " 3"]]] = deque()
         """Ways asked for of late, world ENU, that the position may not show yet."""
         self._last_ns = 0
-        self._level_m: float | None = None
+        self.level_m: float | None = None
         """Height of the operator's hips that goes with the goal's altitude."""
 
     def reset(self) -> None:
@@ -92,7 +92,7 @@ class FollowLaw:
 
     def level(self, hips_m: float) -> None:
         """Take the goal's altitude as meant for an operator whose hips are at this height."""
-        self._level_m = hips_m
+        self.level_m = hips_m
 
     def setpoint(self, track: OperatorTrack, state: VehicleState, goal: Goal, now_ns: int) -> Setpoint:
         """Return the set-point for now.
@@ -189,7 +189,7 @@ class FollowLaw:
 
     def rise(self, track: OperatorTrack) -> float:
         """Return how far the operator has risen above the level they began at, metres."""
-        return 0.0 if self._level_m is None else track.height_m - self._level_m
+        return 0.0 if self.level_m is None else track.height_m - self.level_m
 
 
 def _coming(asked: deque[tuple[int, Any]], stamp_ns: int, delay_s: float) -> Any:

@@ -12,6 +12,7 @@ from wigwag.fly.movements import Movement, MovementConfig
 from wigwag.fly.operator import OperatorTrack
 from wigwag.fly.situation import Mode, Verdict
 from wigwag.fly.values import HOVER, Setpoint, VehicleState
+from wigwag.fly.view import View
 
 _FLOWN = (Mode.FOLLOWING, Mode.EXECUTING)
 
@@ -35,8 +36,8 @@ class Helm:
         self.law = FollowLaw(follow)
         self.bounds = movement or MovementConfig()
         self.movement = Movement(self.bounds, self.start)
+        self._view: View | None = None
         self._last_ns: int | None = None
-        self._level = False
 
     @property
     def moving(self) -> bool:
@@ -58,17 +59,26 @@ class Helm:
             )
         )
 
-    def enter(self, before: Mode, verdict: Verdict, track: OperatorTrack, state: VehicleState) -> None:
-        """Take in what the supervisor has just decided."""
-        mode = verdict.mode
+    def look(self, view: View) -> None:
+        """Keep goal and movements to where a camera sees the operator from."""
+        self._view = view
+        self.movement.look(view, self.law.level_m)
+
+    def enter(self, before: Mode, verdict: Verdict, track: OperatorTrack, state: VehicleState) -> str:
+        """Take in what the supervisor has just decided.
+
+        Returns:
+            How what is flown differs from what was asked for, and why; empty if it does not. For people.
+        """
+        mode, told = verdict.mode, ""
         if mode in _FLOWN and before not in _FLOWN:
-            if before is Mode.TAKING_OFF or not self._level:
-                self.law.level(track.height_m)
-                self._level = True
+            if before is Mode.TAKING_OFF or self.law.level_m is None:
+                self._level(track)
             self.law.reset()
             here = self._here(track, state)
             if before is Mode.TAKING_OFF:
-                self.movement.approach(*here, self.movement.bounded(self.start))
+                self.movement.approach(*here, self.start)
+                told = self.movement.told
             else:
                 self.movement.cancel(*here)
         elif before in _FLOWN and mode not in _FLOWN:
@@ -76,6 +86,8 @@ class Helm:
             self.law.reset()
         if verdict.accepted is not None and mode is Mode.EXECUTING:
             self.movement.start(verdict.accepted)
+            told = self.movement.told
+        return told
 
     def wish(self, mode: Mode, track: OperatorTrack, state: VehicleState, now_ns: int) -> Setpoint:
         """Return the set-point that is wanted in a mode.
@@ -92,10 +104,17 @@ class Helm:
             return HOVER
         if mode is Mode.HOLDING:
             return self.law.turn(track, state, now_ns)
+        if self.law.level_m is None:  # taken over in the air, and followed at once
+            self._level(track)
         drone, operator = self.law.places(track, state, now_ns)
         height_m = float(drone[2]) - self.law.rise(track)
         goal = self.movement.update(min(max(step_s, 0.0), 0.2), drone, operator, height_m)
         return self.law.setpoint(track, state, goal, now_ns)
+
+    def _level(self, track: OperatorTrack) -> None:
+        """Take the height that is kept as meant for an operator who stands as they do now."""
+        self.law.level(track.height_m)
+        self.movement.look(self._view, self.law.level_m)
 
     def _here(self, track: OperatorTrack, state: VehicleState) -> tuple[float, float]:
         """Return distance and height as the goal counts them."""

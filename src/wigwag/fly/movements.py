@@ -10,6 +10,7 @@ from jaxtyping import Float
 
 from wigwag.fly.follow import Goal, wrap
 from wigwag.fly.values import Command
+from wigwag.fly.view import View
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +49,17 @@ class MovementConfig:
     """No command leads lower."""
     max_altitude_m: float = 2.0
     """No command leads higher."""
+    above_hips_m: float = 1.25
+    """So much of the operator above their hips stays in a level camera's picture: raised hands. No command
+    leads to where it would not; closer brings the height along."""
+    below_hips_m: float = 0.5
+    """So much below them: the knees."""
+    view_margin_rad: float = 0.06
+    """And so far from the picture's upper and lower edge, for a drone tilts to accelerate and in gusts."""
+
+
+_TOLD_M = 0.05
+"""A movement that differs by less is as asked for."""
 
 
 class Movement:
@@ -66,6 +78,11 @@ class Movement:
         self.goal = goal or Goal()
         self.command: Command | None = None
         """What is under way."""
+        self.told = ""
+        """How the newest command differs from what was asked, and why; empty if it does not. For people."""
+        self._view: View | None = None
+        self._hips_m: float | None = None
+        """Height of the operator's hips that goes with the goal's."""
         self._distance_m, self._altitude_m = self.goal.distance_m, self.goal.altitude_m
         self._arc_left_m, self._around_m_s = 0.0, 0.0
         self._left_s = 0.0
@@ -77,7 +94,7 @@ class Movement:
         """
         config = self.config
         self._stop()
-        self.command = command
+        self.command, self.told = command, ""
         match command:
             case Command.LEFT:
                 self._arc(config.sideways_m, -config.sideways_m_s)
@@ -86,23 +103,19 @@ class Movement:
             case Command.ORBIT:
                 self._arc(config.orbit_rad * self.goal.distance_m, config.orbit_m_s)
             case Command.UP:
-                self._climb(config.altitude_step_m)
+                self._climb(command, config.altitude_step_m)
             case Command.DOWN:
-                self._climb(-config.altitude_step_m)
+                self._climb(command, -config.altitude_step_m)
             case Command.CLOSER:
-                self._approach(-config.distance_step_m)
+                self._approach(command, -config.distance_step_m)
             case Command.FARTHER:
-                self._approach(config.distance_step_m)
+                self._approach(command, config.distance_step_m)
             case _:
                 self.command = None  # stop, take off and land are the supervisor's
 
     def cancel(self, distance_m: float, altitude_m: float) -> None:
         """End the movement where the drone is; what it has there becomes the goal, within bounds."""
-        config = self.config
-        self.goal = Goal(
-            float(np.clip(distance_m, config.min_distance_m, config.max_distance_m)),
-            float(np.clip(altitude_m, config.min_altitude_m, config.max_altitude_m)),
-        )
+        self.goal = self.bounded(Goal(distance_m, altitude_m))
         self.command = None
         self._stop()
 
@@ -113,24 +126,47 @@ class Movement:
         end = self.bounded(Goal(self._distance_m, self._altitude_m))
         self._distance_m, self._altitude_m = end.distance_m, end.altitude_m
 
+    def look(self, view: View | None, hips_m: float | None) -> None:
+        """Go on with the operator in view: a bound like the others.
+
+        Args:
+            view: From where the camera sees them; ``None``: not known, any height will do.
+            hips_m: Height of their hips that goes with the goal's, world ENU; ``None``: not known.
+        """
+        self._view, self._hips_m = view, hips_m
+        self.bound(self.config)
+
+    def heights_m(self, distance_m: float) -> tuple[float, float]:
+        """Return the lowest and the highest that a goal may be at this distance: within bounds, and in view.
+
+        Where the two contradict each other the bounds win.
+        """
+        least, most = self.config.min_altitude_m, self.config.max_altitude_m
+        if self._view is None or self._hips_m is None:
+            return least, most
+        low, high = (min(max(h + self._hips_m, least), most) for h in self._view.heights_m(distance_m))
+        return low, high
+
     def bounded(self, goal: Goal) -> Goal:
         """Return the goal within bounds."""
         c = self.config
-        return replace(
-            goal,
-            distance_m=float(np.clip(goal.distance_m, c.min_distance_m, c.max_distance_m)),
-            altitude_m=float(np.clip(goal.altitude_m, c.min_altitude_m, c.max_altitude_m)),
-        )
+        distance_m = float(np.clip(goal.distance_m, c.min_distance_m, c.max_distance_m))
+        altitude_m = float(np.clip(goal.altitude_m, *self.heights_m(distance_m)))
+        return replace(goal, distance_m=distance_m, altitude_m=altitude_m)
 
     def approach(self, distance_m: float, altitude_m: float, wanted: Goal) -> None:
-        """Begin where the drone is and move smoothly to what is wanted."""
-        self.goal = replace(wanted, distance_m=distance_m, altitude_m=altitude_m)
+        """Begin where the drone is and move smoothly to what is wanted, or to where bounds allow it."""
+        end = self.bounded(wanted)
+        self.goal = replace(end, distance_m=distance_m, altitude_m=altitude_m)
         self._stop()
-        self._distance_m, self._altitude_m = wanted.distance_m, wanted.altitude_m
-        self.command = Command.TAKE_OFF
+        self._distance_m, self._altitude_m = end.distance_m, end.altitude_m
+        self.command, self.told = Command.TAKE_OFF, ""
+        if abs(end.altitude_m - wanted.altitude_m) > _TOLD_M:
+            heights = f"{end.altitude_m:.1f} m instead of {wanted.altitude_m:.1f} m"
+            self.told = f"height: {heights}, for the camera to see you; tilt it otherwise"
         self._give(
-            abs(distance_m - wanted.distance_m) / self.config.distance_m_s
-            + abs(altitude_m - wanted.altitude_m) / self.config.climb_m_s
+            abs(distance_m - end.distance_m) / self.config.distance_m_s
+            + abs(altitude_m - end.altitude_m) / self.config.climb_m_s
         )
 
     def update(
@@ -212,15 +248,42 @@ class Movement:
         self._arc_left_m, self._around_m_s = length_m, tangential_m_s
         self._give(length_m / abs(tangential_m_s))
 
-    def _climb(self, step_m: float) -> None:
-        c = self.config
-        self._altitude_m = float(np.clip(self.goal.altitude_m + step_m, c.min_altitude_m, c.max_altitude_m))
-        self._give(abs(step_m) / c.climb_m_s)
+    def _climb(self, command: Command, step_m: float) -> None:
+        low, high = self.heights_m(self.goal.distance_m)
+        self._altitude_m = float(np.clip(self.goal.altitude_m + step_m, low, high))
+        bound_m = self.config.max_altitude_m if step_m > 0 else self.config.min_altitude_m
+        if self._altitude_m == bound_m:
+            why = f"that is as {'high' if step_m > 0 else 'low'} as it goes"
+        else:
+            why = f"the camera would not see your {'legs; farther first' if step_m > 0 else 'raised hands'}"
+        self._tell(command, self._altitude_m - self.goal.altitude_m, step_m, why)
+        self._give(abs(step_m) / self.config.climb_m_s)
 
-    def _approach(self, step_m: float) -> None:
-        c = self.config
-        self._distance_m = float(np.clip(self.goal.distance_m + step_m, c.min_distance_m, c.max_distance_m))
-        self._give(abs(step_m) / c.distance_m_s)
+    def _approach(self, command: Command, step_m: float) -> None:
+        """Go nearer or farther; where the height of now would lose the operator, it comes along."""
+        c, goal = self.config, self.goal
+        self._distance_m = float(np.clip(goal.distance_m + step_m, c.min_distance_m, c.max_distance_m))
+        why = f"that is as {'far away' if step_m > 0 else 'near'} as it goes"
+        if step_m < 0 and self._view is not None:
+            nearest_m = min(self._view.nearest_m, goal.distance_m)
+            if nearest_m > self._distance_m:
+                self._distance_m = nearest_m
+                why = "nearer, hands and knees do not fit into the picture"
+        self._altitude_m = float(np.clip(goal.altitude_m, *self.heights_m(self._distance_m)))
+        self._tell(command, self._distance_m - goal.distance_m, step_m, why)
+        climb_m = self._altitude_m - goal.altitude_m
+        if abs(climb_m) > _TOLD_M:
+            said = f"the height changes by {climb_m:+.1f} m on the way, to keep you in the picture"
+            self.told = f"{self.told}; {said}" if self.told else f"{command}: {said}"
+        self._give(abs(step_m) / c.distance_m_s + abs(climb_m) / c.climb_m_s)
+
+    def _tell(self, command: Command, way_m: float, asked_m: float, why: str) -> None:
+        """Note that a movement is shorter than asked for, if it is."""
+        way_m = max(math.copysign(1.0, asked_m) * way_m, 0.0)
+        if way_m < _TOLD_M:
+            self.told = f"{command}: stays where it is; {why}"
+        elif way_m < abs(asked_m) - _TOLD_M:
+            self.told = f"{command}: {way_m:.1f} m instead of {abs(asked_m):.1f} m; {why}"
 
     def _give(self, needed_s: float) -> None:
         """Set the time after which the movement gives up."""

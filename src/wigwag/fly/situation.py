@@ -149,7 +149,7 @@ class Verdict:
     row: str = ""
     """The name of the transition that was taken; empty: none."""
     reason: str = ""
-    """Why a command was not obeyed. For people to read."""
+    """Why a command was not obeyed, or not as it was asked for. For people to read."""
 
 
 @dataclass(frozen=True, slots=True)

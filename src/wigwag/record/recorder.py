@@ -250,7 +250,8 @@ class Recorder:
             made.append((LOG, foxglove.log(now_ns, what)))
         if verdict.row or verdict.reason:
             made.append((TRANSITION, text(verdict)))
-            what = f"{verdict.row}: {verdict.mode}" if verdict.row else verdict.reason
+            row = f"{verdict.row}: {verdict.mode}" if verdict.row else ""
+            what = "; ".join(part for part in (row, verdict.reason) if part)
             made.append((LOG, foxglove.log(now_ns, what, alarming=bool(verdict.reason))))
         return made
 

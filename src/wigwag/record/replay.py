@@ -209,7 +209,8 @@ class Replay:
             return
         for recorded in self.flight.turns():
             look = recorded.turn.look
-            yield recorded, _BLANK if look is not None and look.used else None
+            seen = look is not None and look.used
+            yield recorded, replace(_BLANK, intrinsics=look.intrinsics) if seen and look else None
 
 
 _BLANK = Frame(np.zeros((1, 1, 3), np.uint8), None, Intrinsics(), 0)
