@@ -126,8 +126,8 @@ class FakeAutopilot(ABC):
 
     @property
     def boot_ms(self) -> int:
-        """Milliseconds since its start."""
-        return round((self.now_s - self.booted_s) * 1e3)
+        """Milliseconds since its start, by its own clock."""
+        return round((self.now_s - self.booted_s) * self.config.clock_rate * 1e3)
 
     @property
     def settled(self) -> bool:
@@ -195,7 +195,8 @@ class FakeAutopilot(ABC):
 
     def _on_timesync(self, message: Any) -> None:
         if message.tc1 == 0:
-            self._post(self._coder.timesync_encode(round(self.now_s * 1e9) + 1, message.ts1))
+            # Both count from their start, and read the clock when they are asked.
+            self._post(self._coder.timesync_encode(self.boot_ms * 1_000_000 + 1, message.ts1))
 
     def _on_param_request_read(self, message: Any) -> None:
         name = message.param_id

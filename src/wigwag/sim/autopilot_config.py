@@ -43,6 +43,8 @@ class FakeConfig:
     battery: float = 0.9
     drain_1_s: float = 0.0
     """Share of the charge used a second."""
+    clock_rate: float = 1.0
+    """How fast its clock runs: below 1 for a simulator on a computer that does not keep up."""
     key: bytes | None = None
     """MAVLink 2 signing key."""
     radius_m: float = 50.0

@@ -12,7 +12,7 @@ from wigwag.sim.autopilots import FakeArduPilot, FakePx4
 from wigwag.sim.wire import WireConfig
 from wigwag.vehicles import FlightMode
 
-AHEAD = Setpoint((1.0, 0.0, 0.0))
+AHEAD, BACK = Setpoint((1.0, 0.0, 0.0)), Setpoint((-1.0, 0.0, 0.0))
 ARM, TAKE_OFF, SET_MODE, INTERVAL = 400, 22, 176, 511
 
 
@@ -144,6 +144,25 @@ def test_late_messages_do_not_turn_back_time():
         flight.turn(AHEAD)
         stamps.append(flight.vehicle.state.stamp_ns)
     assert (np.diff(stamps) >= 0).all()
+
+
+@pytest.mark.parametrize("rate", [0.5, 0.95, 1.0, 1.05, 2.0])
+@pytest.mark.parametrize("late_s", [0.003, 0.15])
+@pytest.mark.parametrize("make", FAKES)
+def test_the_clock_of_a_simulator_that_does_not_keep_up_is_followed(make, late_s, rate):
+    """And no state is told younger than it is, over a slow link either."""
+    fake = make(FakeConfig(clock_rate=rate))
+    flight = steered(fake, AHEAD)
+    vehicle, heard = flight.vehicle, flight.vehicle.session.talk.telemetry.position
+    vehicle.up.config.delay_s = vehicle.down.config.delay_s = late_s
+    ages = []
+    for turn in range(600):
+        flight.turn(AHEAD if turn % 60 < 30 else BACK)
+        measured_s = fake.booted_s + heard.boot_ms * 1e-3 / rate
+        told_s = heard.stamp_ns * 1e-9
+        assert told_s <= measured_s + 0.01 + (late_s if rate > 1 else 0.0)
+        ages.append(vehicle.now_s - told_s)
+    assert vehicle.mode is FlightMode.STEERED and max(ages[90:]) < 0.12 + 2 * late_s
 
 
 def test_a_link_that_is_cut_ages_and_the_autopilot_holds(fake):

@@ -235,4 +235,4 @@ class Conversation:
             bytewise = self.autopilot is not None and self.autopilot.name == "PX4"
             self.parameters[name] = decode(message.param_value, message.param_type, bytewise)
         elif kind == "TIMESYNC" and message.tc1 and message.ts1 in self._asked_ns:
-            self.telemetry.echo_ns = self.now_ns
+            self.telemetry.echoed(self._asked_ns[message.ts1], message.tc1, self.now_ns)

@@ -101,6 +101,17 @@ class Telemetry:
         """Whether it stands; by its height as long as it does not say."""
         return self.height_m < 0.3 if self.landed is None else self.landed
 
+    def echoed(self, asked_ns: int, boot_ns: int, now_ns: int) -> None:
+        """Take in the answer to a clock message of our own.
+
+        Args:
+            asked_ns: When we asked.
+            boot_ns: What its clock said; both autopilots count from their start, as in their states.
+            now_ns: When the answer came.
+        """
+        self.echo_ns = now_ns
+        self._clock.answered(asked_ns, boot_ns)
+
     def heading_rad(self, now_ns: int) -> float:
         """Return the heading now: the last one, turned on at its own rate for at most a fifth of a second."""
         age_s = min(max((now_ns - self.attitude.stamp_ns) * 1e-9, 0.0), 0.2)
