@@ -9,7 +9,7 @@ import pytest
 
 from wigwag.errors import WigwagError
 from wigwag.evaluate import chain, memory
-from wigwag.evaluate.chain import Measured, Slowed, following, lateness, searching
+from wigwag.evaluate.chain import Measured, Slowed, besides, following, lateness, searching
 from wigwag.evaluate.pictures import moving
 from wigwag.pose.body import Body
 
@@ -74,6 +74,11 @@ def test_a_slowed_engine_takes_its_period_and_no_more_than_it_must() -> None:
     slow.period_s = 0.05
     slow.track(np.zeros((4, 4, 3), np.uint8))
     assert waited[-1] == 0.0
+
+
+def test_the_engines_own_work_is_not_what_comes_besides_it(frames) -> None:
+    measured = besides(Actor(), frames[:3], clock=Ticking(0.01))
+    assert measured.ms == pytest.approx([20.0] * 3), "two of three ticks: before and after the engine's own"
 
 
 def test_lateness_is_measured_on_a_live_camera(frames) -> None:

@@ -143,8 +143,8 @@ def test_whoever_mingles_with_somebody_in_the_same_clothes_has_to_engage_again(
         assert handed(stage.play(11.0))[0][0] == pytest.approx(10.05, abs=0.3)
 
 
-def looked_at(z_m: float) -> Seen:
-    points = standing(0.0, z_m)
+def looked_at(z_m: float, x_m: float = 0.0) -> Seen:
+    points = standing(x_m, z_m)
     body = body_of(points)
     return Seen(body, region_of(body), Pose(from_blazepose33(points), np.ones(13), 0))
 
@@ -163,6 +163,24 @@ def test_a_mixture_with_whoever_begins_to_cover_the_operator_is_not_handed_on(co
     assert (keeper.cover.nearer > 0.1) is covered and keeper.cover.nearer < keeper.config.hidden
     assert (keeper.claim(looked_at(3.67), now) is Claim.NO) is covered
     assert keeper.claim(looked_at(3.95), now) is Claim.YES, "as noisy as depth is"
+
+
+@pytest.mark.parametrize("close", [True, False])
+def test_a_mixture_with_whoever_comes_close_is_not_handed_on(close: bool) -> None:
+    """The hips of two bodies in one, at the operator's distance: they jump aside as nobody runs."""
+    people = People()
+    keeper = OperatorKeeper(OperatorConfig(), people)
+    keeper.track = operator = people.add(looked_at(8.0), 0)
+    assert operator is not None
+    if close:
+        people.add(looked_at(6.8, x_m=-0.8), 0)
+    now = 33_333_333
+    people.begin(now, operator, (0.0, 0.0), CAMERA)
+    keeper.begin(Frame(np.zeros((480, 640, 3), np.uint8), np.full((480, 640), 7900, np.uint16), CAMERA, now))
+    assert (keeper.claim(looked_at(8.0, x_m=-0.25), now) is Claim.NO) is close
+    if close:
+        assert operator.position_m[0] == pytest.approx(0.0), "nor is the operator expected there from now on"
+        assert keeper.claim(looked_at(8.1, x_m=-0.1), now) is Claim.YES, "as people run"
 
 
 def bending(begin_s: float, end_s: float, depth_m: float = 0.3) -> Callable[[float], float]:

@@ -116,6 +116,7 @@ def measure_chain(
         far = moving(seconds, seed, FAR_M)
         yield searching(engine, watched(far, "searching, far"), f"searching, somebody at {FAR_M:g} m")
         yield lateness(engine, frames, 30.0, n, lambda done: progress("latency", done, n))
+        yield besides(engine, frames)
         n_slow = round(SLOW_HZ * seconds)
         yield lateness(
             Slowed(engine, 1 / SLOW_HZ), frames, FAST_HZ, n_slow, lambda done: progress("slow", done, n_slow)
@@ -152,6 +153,44 @@ def searching(
         if estimator.body is not None:
             estimator.reset()
     return measured
+
+
+def besides(
+    engine: PoseEngine, frames: Iterable[Frame], clock: Callable[[], float] = time.process_time
+) -> Measured:
+    """Time what the chain does besides the engine: so much older a pose is than the engine makes it."""
+    measured = Measured("besides the engine", expected="added to the ages below")
+    watch = _Watched(engine, clock)
+    estimator = PoseEstimator(PoseConfig.alone(), tracker=watch)
+    for frame in frames:
+        watch.spent_s, began = 0.0, clock()
+        estimator(frame)
+        measured.ms.append(1e3 * (clock() - began - watch.spent_s))
+    return measured
+
+
+class _Watched:
+    """A tracker of one body that knows how long it worked.
+
+    Args:
+        engine: What does the work.
+        clock: Processor time, seconds.
+    """
+
+    def __init__(self, engine: PoseEngine, clock: Callable[[], float]) -> None:
+        self._engine, self._clock = engine, clock
+        self.spent_s = 0.0
+
+    def track(self, rgb: Picture) -> Body | None:
+        """As the engine does."""
+        began = self._clock()
+        body = self._engine.track(rgb)
+        self.spent_s += self._clock() - began
+        return body
+
+    def reset(self) -> None:
+        """As the engine does."""
+        self._engine.reset()
 
 
 class Slowed:
@@ -254,6 +293,7 @@ __all__ = [
     "EngineChoice",
     "Measured",
     "Slowed",
+    "besides",
     "following",
     "lateness",
     "measure_chain",

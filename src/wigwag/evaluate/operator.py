@@ -226,17 +226,21 @@ def _passers(
 
 
 def _stops(event: Event, distance_m: float, way: Sequence[Leg]) -> list[Leg]:
-    """Let somebody who would cross stop on the way."""
-    to, speed = way[0].to_m, way[0].speed_m_s
+    """Let somebody who would cross stop on the way, and change sides clear of the operator.
+
+    Each way begins on the side on which the last one ended: nobody walks through anybody.
+    """
+    to, speed, across = way[0].to_m, way[0].speed_m_s, way[1].to_m
     side, offset = float(np.sign(to[1])), abs(to[0] - distance_m)
     if event == "stops beside":  # 0.64 to 1.2 m from the operator
         place = (distance_m, 0.8 * side * offset)
-        return [way[0], Leg(place, speed, 5.0), Leg(to, speed, 1.0)]
+        return [way[0], Leg(place, speed, 5.0), Leg(to, speed, 1.0), Leg(across, speed, 1.0)]
     if event == "stops before":
         near = beside(distance_m - offset, side)
         here = (near[0], 0.0)
         return [Leg(near, speed, 0.9), Leg(here, speed, 3.0), Leg((near[0], -near[1]), speed, 0.4)]
-    return [Leg(to, speed, 4.5), Leg((distance_m, 0.0), speed, 4.5), Leg(to, speed, 5.5)]
+    # The operator is away, beyond where this ends, until then.
+    return [Leg(to, speed, 4.5), Leg((distance_m, 0.0), speed, 4.5), Leg(across, speed, 5.5)]
 
 
 def _passer(

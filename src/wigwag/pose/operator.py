@@ -216,7 +216,9 @@ class OperatorKeeper:
                 continue
             if people.away_m(other, seen, now_ns) < mine:
                 return False
-        careful = self._wary(now_ns) or track.age_s(now_ns) > self.config.glitch_s
+        careful = self._wary(now_ns) or not followed
+        if followed and careful and people.jumps(track, seen, now_ns):
+            return False
         return not careful or people.looks_like(track, seen.appearance)
 
     def _confirmed(self, seen: Seen, now_ns: int) -> bool:

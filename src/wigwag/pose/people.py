@@ -43,6 +43,9 @@ class PeopleConfig:
     """... for the first tenth of a second: people run, and what the camera's turning leaves ..."""
     side_drift_m_s: float = 1.2
     """... and from then on."""
+    jump_m: float = 0.1
+    """How far hips may seem to jump aside from frame to frame, besides what people run, while somebody else
+    is close: more is a mixture of both bodies. Of people who stand or walk they do by 0.05 m at most."""
     most_drift_m: float = 1.2
     """What is expected is not doubted by more, however long it is ago."""
     size_slack: float = 0.35
@@ -206,6 +209,15 @@ class People:
         off_wide = float(np.linalg.norm(found * (distance / max(measured, 1e-6)) - expected))
         worst = max(off_deep / deep, off_wide / wide)
         return worst if worst < 1.0 else math.inf
+
+    def jumps(self, track: Track, seen: Seen, now_ns: int) -> bool:
+        """Say whether somebody who is followed would have jumped aside to be here, faster than people run."""
+        expected, found = track.expected_m(now_ns, self.config.coast_s), seen.position_m
+        at_their_distance = found * (
+            float(np.linalg.norm(expected)) / max(float(np.linalg.norm(found)), 1e-6)
+        )
+        aside = float(np.linalg.norm(at_their_distance - expected))
+        return aside > self.config.jump_m + _FASTEST_M_S * track.age_s(now_ns)
 
     def sized_like(self, track: Track, seen: Seen) -> bool:
         """Say whether a look can be of somebody's size."""
