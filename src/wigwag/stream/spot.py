@@ -25,7 +25,11 @@ class Recogniser(Protocol):
 class SpotConfig:
     """How stretches of movement become gestures."""
 
-    segment: SegmentConfig = field(default_factory=SegmentConfig)
+    segment: SegmentConfig = field(default_factory=lambda: SegmentConfig(off_m_s=0.45, hang_s=0.1))
+    """Rest is believed sooner than where gestures are taught: the drone waits for the decision, and a
+    recogniser that was taught halves of gestures as no gesture refuses what was cut too early. On simulated
+    people who took no part in teaching the median decision comes 0.14 s after the end instead of 0.38 s, as
+    many being right and as few false."""
     patience_s: float = 0.5
     """How long a named stretch waits for a surer one that overlaps it, unless the body is at rest."""
     margin_s: float = 0.10
