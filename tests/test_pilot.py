@@ -514,7 +514,7 @@ def test_what_the_camera_would_not_see_is_not_flown_and_that_is_told() -> None:
     def wide(now_ns: int) -> Frame:
         return Frame(PICTURE, DEPTH, Intrinsics(fy=300.0), now_ns)
 
-    for frame, says in ((good, "up: 0.1 m instead of 0.4 m; the camera would not see your legs"), (wide, "")):
+    for frame, says in ((good, "up: 0.2 m instead of 0.4 m; the camera would not see your legs"), (wide, "")):
         flight = seeing(PilotConfig(goal=Goal(3.0, 1.2)))
         flight.sight.at_m = (0.0, 0.2, 2.9)
         flight.turns(1.5, frame)

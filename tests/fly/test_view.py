@@ -14,9 +14,11 @@ from wigwag.camera.frame import Intrinsics
 from wigwag.fly.follow import Goal
 from wigwag.fly.helm import Helm
 from wigwag.fly.movements import Movement, MovementConfig
-from wigwag.fly.operator import Mount
-from wigwag.fly.values import Command
+from wigwag.fly.operator import Mount, OperatorTrack
+from wigwag.fly.situation import Mode, Verdict
+from wigwag.fly.values import Command, VehicleState
 from wigwag.fly.view import View
+from wigwag.skeleton import Pose
 
 BOUNDS = MovementConfig()
 HIPS_M = 0.95
@@ -210,3 +212,43 @@ def test_limits_tightened_in_flight_keep_the_view() -> None:
     fly(movement, Command.UP)
     movement.bound(replace(BOUNDS, max_distance_m=3.0))
     assert movement.goal.distance_m == 3.0 and movement.goal.altitude_m < 1.45
+
+
+@given(lenses, mounts, st.floats(2.8, 5.5), st.floats(-0.5, 2.5))
+def test_a_place_that_was_set_is_allowed_or_the_camera_is_not_believed(
+    lens: Intrinsics, mount: Mount, distance_m: float, height_m: float
+) -> None:
+    view = through(lens, mount)
+    allowing = view.allowing(distance_m, height_m)
+    if allowing is None:
+        low, high = View.through(lens, mount, 0.0, 0.0, BOUNDS.view_margin_rad).heights_m(distance_m)
+        assert not low <= height_m <= high, "not even the hips are seen"
+        return
+    low, high = allowing.heights_m(distance_m)
+    assert low - 1e-9 <= height_m <= high + 1e-9
+    assert allowing.above_hips_m <= view.above_hips_m and allowing.below_hips_m <= view.below_hips_m
+    if view.heights_m(distance_m)[0] < height_m < view.heights_m(distance_m)[1]:
+        assert allowing == view, "nothing is given up without need"
+
+
+@pytest.mark.parametrize(
+    ("altitude_m", "pitch_rad", "told", "up_m"),
+    [
+        (1.2, 0.0, "", 0.4),
+        (2.2, 0.0, "the camera does not see all of you from 2.2 m: tilt it, or fly otherwise", 0.0),
+        (3.0, 0.0, "the camera does not see you from 3 m: tilt it, or fly otherwise", 0.4),
+        (3.0, 0.4, "", 0.4),
+    ],
+)
+def test_the_height_that_was_set_is_flown_and_what_is_not_seen_from_it_is_told(
+    altitude_m: float, pitch_rad: float, told: str, up_m: float
+) -> None:
+    helm, track = Helm(Goal(4.5, altitude_m), movement=replace(BOUNDS, max_altitude_m=4.0)), OperatorTrack()
+    state = VehicleState(np.array([0.0, 0.0, altitude_m]), np.zeros(3), 0.0, 10**9)
+    helm.look(through(Intrinsics(), Mount(pitch_rad)))
+    track.observe_vehicle(state)
+    track.observe(Pose(np.tile([0.0, altitude_m - HIPS_M, 4.4], (13, 1)), np.ones(13), 10**9))
+    assert helm.enter(Mode.TAKING_OFF, Verdict(Mode.FOLLOWING), track, state) == told
+    helm.movement.cancel(4.5, altitude_m)
+    assert helm.movement.goal.altitude_m == pytest.approx(altitude_m)
+    assert fly(helm.movement, Command.UP)[-1].altitude_m == pytest.approx(altitude_m + up_m)

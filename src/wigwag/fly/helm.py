@@ -37,6 +37,8 @@ class Helm:
         self.bounds = movement or MovementConfig()
         self.movement = Movement(self.bounds, self.start)
         self._view: View | None = None
+        self._blind = ""
+        """What the camera does not see from where the flight is set to, for people to read."""
         self._last_ns: int | None = None
 
     @property
@@ -60,9 +62,13 @@ class Helm:
         )
 
     def look(self, view: View) -> None:
-        """Keep goal and movements to where a camera sees the operator from."""
+        """Keep goal and movements to where a camera sees the operator from.
+
+        The height and distance that the flight was set to are flown in any case: what is not seen from there
+        need not be seen elsewhere.
+        """
         self._view = view
-        self.movement.look(view, self.law.level_m)
+        self._look()
 
     def enter(self, before: Mode, verdict: Verdict, track: OperatorTrack, state: VehicleState) -> str:
         """Take in what the supervisor has just decided.
@@ -78,7 +84,7 @@ class Helm:
             here = self._here(track, state)
             if before is Mode.TAKING_OFF:
                 self.movement.approach(*here, self.start)
-                told = self.movement.told
+                told = self._blind
             else:
                 self.movement.cancel(*here)
         elif before in _FLOWN and mode not in _FLOWN:
@@ -114,7 +120,19 @@ class Helm:
     def _level(self, track: OperatorTrack) -> None:
         """Take the height that is kept as meant for an operator who stands as they do now."""
         self.law.level(track.height_m)
-        self.movement.look(self._view, self.law.level_m)
+        self._look()
+
+    def _look(self) -> None:
+        hips_m, start, self._blind = self.law.level_m, self.start, ""
+        if self._view is None or hips_m is None:
+            return
+        seen = self._view.allowing(start.distance_m, start.altitude_m - hips_m)
+        if seen != self._view:
+            part = "you" if seen is None else "all of you"
+            self._blind = (
+                f"the camera does not see {part} from {start.altitude_m:g} m: tilt it, or fly otherwise"
+            )
+        self.movement.look(seen, hips_m)
 
     def _here(self, track: OperatorTrack, state: VehicleState) -> tuple[float, float]:
         """Return distance and height as the goal counts them."""

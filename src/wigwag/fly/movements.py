@@ -161,9 +161,6 @@ class Movement:
         self._stop()
         self._distance_m, self._altitude_m = end.distance_m, end.altitude_m
         self.command, self.told = Command.TAKE_OFF, ""
-        if abs(end.altitude_m - wanted.altitude_m) > _TOLD_M:
-            heights = f"{end.altitude_m:.1f} m instead of {wanted.altitude_m:.1f} m"
-            self.told = f"height: {heights}, for the camera to see you; tilt it otherwise"
         self._give(
             abs(distance_m - end.distance_m) / self.config.distance_m_s
             + abs(altitude_m - end.altitude_m) / self.config.climb_m_s

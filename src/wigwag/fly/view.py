@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from wigwag.fly.operator import Mount
@@ -68,13 +68,34 @@ class View:
         Args:
             distance_m: Horizontal, from the drone to the hips.
         """
-        ahead, up = self.offset_m
-        away = max(distance_m - ahead, _NEAR_M)
-        lowest = self.above_hips_m - away * _slope(self.upper_rad) - up
-        highest = -self.below_hips_m - away * _slope(self.lower_rad) - up
+        lowest, highest = self._edges_m(distance_m)
         if lowest > highest:
             lowest = highest = (lowest + highest) / 2
         return lowest, highest
+
+    def allowing(self, distance_m: float, height_m: float) -> View | None:
+        """Return a view that asks for no more of the body than is seen from a place that the user has set.
+
+        Args:
+            distance_m: Horizontal, from the drone to the hips.
+            height_m: Above the hips.
+
+        Returns:
+            ``None`` if not even the hips are seen from there: then the camera is not what it is said to be.
+        """
+        lowest, highest = self._edges_m(distance_m)
+        above_m = self.above_hips_m - max(lowest - height_m, 0.0)
+        below_m = self.below_hips_m - max(height_m - highest, 0.0)
+        if min(above_m, below_m) < 0:
+            return None
+        return replace(self, above_hips_m=above_m, below_hips_m=below_m)
+
+    def _edges_m(self, distance_m: float) -> tuple[float, float]:
+        """Return from where the hands, and from where the knees are at their edge of the picture."""
+        ahead, up = self.offset_m
+        away = max(distance_m - ahead, _NEAR_M)
+        lowest = self.above_hips_m - away * _slope(self.upper_rad) - up
+        return lowest, -self.below_hips_m - away * _slope(self.lower_rad) - up
 
     @property
     def nearest_m(self) -> float:

@@ -34,7 +34,7 @@ def test_a_loop_that_hangs_stands_still_then_holds(fake):
     hung_s = flight.vehicle.now_s
     flight.freeze(0.30)
     last = flight.sent("SET_POSITION_TARGET_LOCAL_NED", hung_s)
-    assert [m.vx for _, m in last][-1] == 0.0
+    assert last[-1][1].vx == 0.0 == last[-1][1].vy
     flight.freeze(0.70)
     assert flight.vehicle.mode is FlightMode.HOLDING
     assert fake.mode == (fake.HOLD if isinstance(fake, FakePx4) else fake.BRAKE)
@@ -63,6 +63,13 @@ def test_what_is_old_disordered_or_no_number_is_refused_at_once(fake):
         assert not vehicle.send(Setpoint((nothing, 0.0, 0.0)), now_ns)
         assert not vehicle.send(Setpoint(yaw_rate_rad_s=nothing), now_ns)
     assert vehicle.send(AHEAD, now_ns)
+
+
+def test_a_set_point_that_is_the_newest_and_old_is_refused(fake):
+    flight = steered(fake, AHEAD)
+    flight.freeze(0.6)
+    assert not flight.vehicle.send(AHEAD, flight.vehicle.now_ns - 300_000_000)
+    assert flight.vehicle.send(AHEAD, flight.vehicle.now_ns - 200_000_000)
 
 
 def test_a_set_point_from_just_before_a_hold_does_not_steer_after_it(fake):
@@ -181,6 +188,18 @@ def test_a_link_that_is_cut_ages_and_the_autopilot_holds(fake):
     flight.until(FlightMode.STEERED, 3.0, AHEAD)
 
 
+def test_a_hold_that_the_autopilot_began_by_itself_is_asked_for(fake):
+    """It heard nothing, and was seen to hold: PX4's time-out alone would go on as a failsafe."""
+    flight = steered(fake, AHEAD)
+    flight.vehicle.up.config.cut = True
+    flight.turns(0.5, AHEAD)
+    flight.turns(4.0)
+    assert fake.critical is isinstance(fake, FakePx4)
+    flight.vehicle.up.config.cut = False
+    flight.turns(3.0)
+    assert flight.vehicle.mode is FlightMode.HOLDING and not fake.critical
+
+
 def test_a_link_that_is_mute_one_way_shows_in_its_age(fake):
     """The vehicle is heard well and hears nothing."""
     flight = steered(fake, AHEAD)
@@ -250,6 +269,19 @@ def test_an_acknowledgement_that_never_comes_is_not_needed(fake, command):
     flight.until(FlightMode.STEERED, setpoint=AHEAD)
     assert flight.vehicle.land()
     flight.until(FlightMode.DISARMED)
+
+
+@pytest.mark.parametrize("make", FAKES)
+def test_an_acknowledgement_of_what_does_not_happen_is_told(make):
+    class Liar(make):
+        def _arm_request(self, message):
+            return 0  # accepted
+
+    flight = connected(Liar())
+    assert flight.vehicle.arm()
+    flight.turns(6.0)
+    assert "accepted to arm, but it did not happen" in flight.vehicle.state.denied
+    assert flight.vehicle.mode is FlightMode.DISARMED
 
 
 def test_commands_that_are_never_answered_end(fake):
@@ -425,6 +457,19 @@ def test_a_pilot_who_takes_over_while_a_mode_is_asked_for_wins():
     flight.turns(3.0, HOVER)
     assert flight.fake.mode == FakePx4.POSITION
     assert flight.vehicle.mode is FlightMode.MANUAL
+
+
+def test_a_pilot_who_takes_over_what_was_asked_for_in_vain_wins(fake):
+    """The request was not heard, and would be sent again: not any more."""
+    flight = steered(fake, AHEAD)
+    fake.faults.deaf = True
+    assert flight.vehicle.land()
+    flight.turns(0.2)
+    fake.pilot(sticks(fake))
+    flight.turns(0.2)
+    fake.faults.deaf = False
+    flight.turns(3.0)
+    assert fake.mode == sticks(fake) and flight.vehicle.mode is FlightMode.MANUAL
 
 
 def test_a_pilot_who_lands_it_gives_it_back_on_the_ground(fake):

@@ -285,6 +285,30 @@ def test_met_in_the_air_what_hovers_is_taken_over_and_what_is_flown_by_stick_is_
     assert not third.hold()
 
 
+def test_met_while_somebody_lands_it_it_is_not_taken_over(fake):
+    hovering(fake)
+    fake.pilot(fake.LAND)
+    second = TetheredVehicle(fake)
+    second.now_s = fake.now_s
+    second.connect()
+    assert second.mode is FlightMode.MANUAL
+    assert not second.hold() and fake.mode == fake.LAND
+
+
+def test_met_armed_on_the_ground_it_is_ready_whatever_its_mode(fake):
+    flight = connected(fake)
+    fake.pilot(fake.POSITION if isinstance(fake, FakePx4) else fake.LOITER)
+    fake._arm()
+    flight.turns(0.2)
+    second = TetheredVehicle(fake)
+    second.now_s = fake.now_s
+    second.connect()
+    for _ in range(45):
+        second.beat(second.now_ns)
+        second.step(1 / 30)
+    assert second.mode is FlightMode.READY
+
+
 def test_met_in_the_air_in_a_failsafe_it_is_not_taken_over(fake):
     hovering(fake)
     fake.critical = True

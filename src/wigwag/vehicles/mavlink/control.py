@@ -43,6 +43,8 @@ class Control:
         """The autopilot holds because set-points stopped; it is to be told that it shall."""
         self._mode: int | None = None
         self._armed = False
+        self._unsure = False
+        """Met armed, and not yet known whether it stands or flies."""
         self._critical_ns: int | None = None
         """Since when the autopilot has said that something is amiss; ``None``: it does not."""
         self._changed_ns = 0
@@ -67,8 +69,8 @@ class Control:
         elif self._critical_ns is None:
             self._critical_ns = now_ns
         if not telemetry.armed:
-            self.decides, self.timed_out = Decides.WIGWAG, False
-        elif not was_armed and before is None:
+            self.decides, self.timed_out, self._unsure = Decides.WIGWAG, False, False
+        elif (not was_armed and before is None) or (self._unsure and mode == before):
             self._take_over(autopilot.doing(mode), telemetry)
         elif mode != before:
             self._changed(autopilot, before, telemetry, now_ns)
@@ -77,11 +79,13 @@ class Control:
 
     def _take_over(self, doing: Doing, telemetry: Telemetry) -> None:
         """Met in the air: what hovers by itself is taken over, what is flown by sticks is not."""
-        given = doing in (Doing.STEER, Doing.HOLD) or telemetry.on_ground
+        stands = telemetry.stands  # not told yet with the first heartbeat
+        given = doing in (Doing.STEER, Doing.HOLD) or stands is True
+        self._unsure = not given and stands is None
         self.decides = Decides.WIGWAG if given and not telemetry.critical else Decides.PILOT
 
     def _changed(self, autopilot: Autopilot, before: int | None, telemetry: Telemetry, now_ns: int) -> None:
-        mode = telemetry.custom_mode
+        mode, self._unsure = telemetry.custom_mode, False
         doing = autopilot.doing(mode)
         asked_ns = self._expected.get(mode)
         after = before is not None and autopilot.doing(before) is Doing.TAKE_OFF and doing is Doing.HOLD

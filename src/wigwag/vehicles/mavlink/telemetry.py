@@ -97,6 +97,11 @@ class Telemetry:
         return -self._velocity[2]
 
     @property
+    def stands(self) -> bool | None:
+        """Whether it stands; ``None``: it has said neither that nor where it is."""
+        return self.on_ground if self.landed is not None or self.position.arrived_ns else None
+
+    @property
     def on_ground(self) -> bool:
         """Whether it stands; by its height as long as it does not say."""
         return self.height_m < 0.3 if self.landed is None else self.landed
