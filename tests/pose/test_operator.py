@@ -183,6 +183,30 @@ def test_a_mixture_with_whoever_comes_close_is_not_handed_on(close: bool) -> Non
         assert keeper.claim(looked_at(8.1, x_m=-0.1), now) is Claim.YES, "as people run"
 
 
+@pytest.mark.parametrize(
+    ("before_m", "covered", "away"),
+    [(None, False, True), (None, True, False), (6.8, False, False), (7.9, False, True)],
+    ids=["nobody", "a fifth covered", "known before them", "known beside them"],
+)
+def test_who_may_be_hidden_is_not_taken_for_gone(before_m: float | None, covered: bool, away: bool) -> None:
+    """Who stands before the operator hides them, though not where the operator is expected to be."""
+    people = People()
+    keeper = OperatorKeeper(OperatorConfig(), people)
+    keeper.track = operator = people.add(looked_at(8.0), 0)
+    other = None if before_m is None else people.add(looked_at(before_m, x_m=0.4), 0)
+    depth = np.full((480, 640), 7900, np.uint16)
+    if covered:
+        depth[:, : round(CAMERA.cx - 0.01 * CAMERA.fx)] = 6700
+    for k in range(1, 91):
+        now = round(k * 1e9 / 30)
+        people.begin(now, operator, (0.0, 0.0), CAMERA)
+        if other is not None:
+            people.update(other, looked_at(before_m, x_m=0.4), now)
+        keeper.begin(Frame(np.zeros((480, 640, 3), np.uint8), depth, CAMERA, now))
+    assert not covered or 0.1 < keeper.cover.nearer < 0.3
+    assert keeper.away is away
+
+
 def bending(begin_s: float, end_s: float, depth_m: float = 0.3) -> Callable[[float], float]:
     return lambda t: depth_m * float(np.clip(min(t - begin_s, end_s - t) / 0.5, 0.0, 1.0))
 

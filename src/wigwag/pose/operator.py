@@ -33,8 +33,8 @@ class OperatorConfig:
     first_lost_s: float = 1.0
     """The same (``"first"``)."""
     away_s: float = 2.0
-    """An operator not seen for so long, though nobody stood before them, has to engage again, and only they
-    can: until ``lost_s`` nobody who looks different is let in."""
+    """An operator not seen for so long, though nobody hid any part of them, has to engage again, and only
+    they can: until ``lost_s`` nobody who looks different is let in."""
     glitch_s: float = 0.15
     """A gap up to this long is the network's, and what fits after it is believed at once."""
     confirm: int = 3
@@ -143,12 +143,27 @@ class OperatorKeeper:
             self._before_m = (cover.range_m, now)
         if cover.nearer >= config.hidden:
             self._in_doubt, self._wary_ns = True, now
-        elif track.age_s(now) > 0.5:
+        elif track.age_s(now) > 0.5 and not self._partly_hidden(track, now):
             self._absent_s += since_s
         if self._people.close_to(track, now):
             self._wary_ns = now
         if cover.nearer >= config.hidden or track.age_s(now) > config.glitch_s:
             self._mingled |= self._beside_a_double(track, now)
+
+    def _partly_hidden(self, track: Track, now_ns: int) -> bool:
+        """Say whether somebody may hide the operator, by depth or because they are known to be before them.
+
+        Where exactly somebody unseen stands is not known: beside who is before them, they are still hidden.
+        """
+        if self.cover.nearer >= self.config.touched:
+            return True
+        mine = track.expected_m(now_ns, self._people.config.coast_s)
+        return any(
+            other.position_m[2] < mine[2] - _BEFORE_M
+            and abs(other.position_m[0] / max(other.position_m[2], 0.3) * mine[2] - mine[0]) < _TOGETHER_M
+            for other in self._people.tracks
+            if other is not track and other.looks > 2 and other.age_s(now_ns) <= _LATELY_S
+        )
 
     def _beside_a_double(self, track: Track, now_ns: int) -> bool:
         """Say whether somebody known, in the operator's clothes, is where the operator should be.
@@ -302,6 +317,8 @@ class OperatorKeeper:
 
 _TOGETHER_M, _KNOWN_LOOKS = 0.5, 10
 """People nearer to each other, of whom one is not seen and the other was looked at more often, mingle."""
+_BEFORE_M = 0.5
+"""Who is nearer to the camera by more may hide somebody."""
 _LATELY_S, _KNOWN_S = 0.5, 0.8
 """Who was seen as somebody else so lately is not the operator, who is followed or has to be found again: of
 four people, each is looked at as often as the latter."""
