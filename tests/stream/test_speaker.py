@@ -20,7 +20,7 @@ def speaker(earliness: float = 0.6) -> Speaker:
 
 def test_a_sure_look_is_spoken_once() -> None:
     one = speaker()
-    assert one.hear(LOOK)
+    assert one.hear(LOOK) == LOOK
     assert not one.hear(replace(LOOK, now_ns=round(3.2 * S), progress=0.9))
 
 
@@ -43,7 +43,7 @@ def test_what_begins_after_it_is_heard_again() -> None:
     ],
 )
 def test_how_sure_and_how_far(change: dict[str, float | bool], spoken: bool) -> None:
-    assert speaker().hear(replace(LOOK, **change)) is spoken  # type: ignore[arg-type]
+    assert (speaker().hear(replace(LOOK, **change)) is not None) is spoken  # type: ignore[arg-type]
 
 
 def test_the_earlier_the_less_must_have_passed() -> None:
@@ -51,6 +51,46 @@ def test_the_earlier_the_less_must_have_passed() -> None:
     assert not speaker(0.6).hear(half)
     assert speaker(1.0).hear(half)
     assert not speaker(0.0).hear(LOOK)
+
+
+def at(second: float, **change: object) -> Look:
+    return replace(LOOK, now_ns=round(second * S), **change)  # type: ignore[arg-type]
+
+
+def test_what_was_sure_and_never_seemed_far_enough_is_spoken_at_rest() -> None:
+    """A larger gesture than those taught: progress stays low, and its end looks like nothing."""
+    one = speaker()
+    assert one.hear(at(2.0, progress=0.5)) is None
+    assert one.hear(at(2.2, progress=0.6)) is None
+    said = one.hear(at(3.0, label="other", probability=0.1, resting=True))
+    assert said is not None
+    assert (said.label, said.onset_ns, said.end_ns) == ("wave", LOOK.onset_ns, 3 * S)
+    assert one.hear(at(3.2, label="other", probability=0.1, resting=True)) is None
+    assert one.hear(at(3.3)) is None  # it began before what was spoken was over
+
+
+@pytest.mark.parametrize(
+    "looks",
+    [
+        [at(2.2, progress=0.6)],
+        [at(2.0, progress=0.6), at(2.2, progress=0.6, label="other")],
+        [at(2.0, progress=0.4), at(2.2, progress=0.4)],
+        [at(2.0, progress=0.6, far=True), at(2.2, progress=0.6, far=True)],
+        [at(2.0, progress=0.6, probability=0.7), at(2.2, progress=0.6, probability=0.7)],
+        [at(0.5, progress=0.6), at(0.9, progress=0.6)],
+    ],
+    ids=["once", "two names", "just begun", "unlike", "unsure", "long ago"],
+)
+def test_what_waits_for_nothing(looks: list[Look]) -> None:
+    one = speaker()
+    assert [one.hear(look) for look in looks] == [None] * len(looks)
+    assert one.hear(at(3.0, label="other", probability=0.1, resting=True)) is None
+
+
+def test_what_may_not_be_spoken_does_not_wait() -> None:
+    one = Speaker(StreamConfig(commands=("stop",)), Thresholds(0.8, 0.6))
+    looks = [at(2.0, progress=0.6), at(2.2), at(3.0, resting=True)]
+    assert [one.hear(look) for look in looks] == [None] * 3
 
 
 def test_settings_out_of_range() -> None:

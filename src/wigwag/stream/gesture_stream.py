@@ -128,11 +128,12 @@ class GestureStream:
         if hypothesis is None:
             return self._refuse(pose.stamp_ns)
         look = self.model.look(hypothesis, self._watcher.clip(hypothesis), self._memory)
-        if self._speaker.may(look.label) and self._speaker.hear(look):
+        said = self._speaker.hear(look)
+        if said is not None:
             self._watcher.block(self._speaker.blocked_ns)
             self._best = None
             return Gesture(
-                look.label, look.probability, look.onset_ns, look.end_ns, pose.stamp_ns, look.account
+                said.label, said.probability, said.onset_ns, said.end_ns, pose.stamp_ns, said.account
             )
         if self._best is None or look.probability >= self._best.probability:
             self._best = look

@@ -80,19 +80,30 @@ def choose(
     """Return the thresholds of most worth that keep to the false commands allowed.
 
     If none keep to it, those with the fewest. A command said of another gesture counts in the worth; it is
-    no everyday movement, and nobody shows gestures for hours.
+    no everyday movement, and nobody shows gestures for hours. Few people leave many thresholds equally good:
+    the middle ones are taken, which are farthest from where gestures of others would be lost and from where
+    what is none would be spoken.
     """
-    best, chosen = (False, -np.inf, -np.inf), Thresholds(_GOING_ON[-1], _AT_REST[-1])
     looks = [_looks(one, sure, labels, config) for one, sure in zip(rehearsals, probabilities, strict=True)]
+    best, equal = (False, -np.inf, -np.inf), [Thresholds(_GOING_ON[-1], _AT_REST[-1])]
     for going_on, at_rest in product(_GOING_ON, _AT_REST):
         thresholds = Thresholds(going_on, at_rest)
         tally = hear(rehearsals, looks, config, thresholds)
         keeps = tally.false_per_hour <= config.false_per_hour
         least = 0.0 if keeps else -tally.false_per_hour
         worth = (keeps, least, tally.worth(config.earliness))
-        if worth >= best:
-            best, chosen = worth, thresholds
-    return chosen
+        if worth > best:
+            best, equal = worth, [thresholds]
+        elif worth == best:
+            equal.append(thresholds)
+    going_on = _middle([one.going_on for one in equal])
+    return Thresholds(going_on, _middle([one.at_rest for one in equal if one.going_on == going_on]))
+
+
+def _middle(values: Sequence[float]) -> float:
+    """Return the middle one of different values, the lower of two."""
+    ordered = sorted(set(values))
+    return ordered[(len(ordered) - 1) // 2]
 
 
 def hear(
@@ -106,7 +117,7 @@ def hear(
     hours = 0.0
     for one, seen in zip(rehearsals, looks, strict=True):
         speaker = Speaker(config, thresholds)
-        spoken = [look for look in seen if speaker.hear(look)]
+        spoken = [said for look in seen if (said := speaker.hear(look)) is not None]
         wanted = [showing for showing in one.truth if speaker.may(showing.label)]
         answered: set[int] = set()
         for look in spoken:
@@ -137,10 +148,11 @@ def limits_of(rehearsals: Sequence[Rehearsal], labels: int) -> Float[np.ndarray,
 def _looks(
     one: Rehearsal, sure: Float[np.ndarray, " looks"], labels: Sequence[str], config: StreamConfig
 ) -> list[Look]:
-    """Return those looks of a stream that might be spoken."""
+    """Return those looks of a stream that might be spoken, or at which one that waits might be."""
     may = np.array([config.commands is None or label in config.commands for label in labels])
     looks = []
-    for i in np.flatnonzero((sure >= _LEAST) & may[one.decided]):
+    resting = np.array([h.resting for h in one.hypotheses])
+    for i in np.flatnonzero(((sure >= _LEAST) & may[one.decided]) | resting):
         h, label, progress = one.hypotheses[i], labels[one.decided[i]], float(one.signs[i, 3])
         looks.append(Look(label, float(sure[i]), progress, h.onset_ns, h.now_ns, h.resting, False, ""))
     return looks

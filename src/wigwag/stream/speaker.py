@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from wigwag.stream.config import StreamConfig
 
 _OVER = 0.8
 """Nothing may begin before this share of a spoken gesture has passed."""
+
+_WAITS = 0.5
+"""What is sure, but of which only this much seems to have passed, waits for the body to come to rest: ..."""
+_WAITS_S = 2.0
+"""... for so long ..."""
+_TIMES = 2
+"""... and if it was seen so many times running."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,18 +64,49 @@ class Speaker:
         self.config, self.thresholds = config, thresholds
         self.blocked_ns = -(1 << 62)
         """Nothing that began before this moment is listened to."""
+        self._waiting: Look | None = None
+        self._times = 0
 
-    def hear(self, look: Look) -> bool:
-        """Take in a look; return whether it is spoken."""
-        if look.onset_ns < self.blocked_ns or look.far:
+    def hear(self, look: Look) -> Look | None:
+        """Take in a look; return what is spoken: it, or one that was sure before and waited for the end.
+
+        How much of a gesture has passed is a guess, and too low where somebody shows it slower or larger
+        than those who taught it: what was sure more than once while it went on is spoken when the body has
+        come to rest, though it never seemed to have passed far enough.
+        """
+        if self._speaks(look):
+            return self._spoken(look)
+        self._remember(look)
+        if not look.resting or self._waiting is None or self._times < _TIMES:
+            return None
+        over = replace(self._waiting, now_ns=look.now_ns, progress=1.0, resting=True)
+        return self._spoken(over)
+
+    def _speaks(self, look: Look) -> bool:
+        if not self._listens(look):
             return False
         early = not look.resting and look.progress < self.config.least_progress
         least = self.thresholds.at_rest if look.resting else self.thresholds.going_on
-        if early or look.probability < least:
-            return False
+        return not early and look.probability >= least
+
+    def _listens(self, look: Look) -> bool:
+        return self.may(look.label) and look.onset_ns >= self.blocked_ns and not look.far
+
+    def _spoken(self, look: Look) -> Look:
+        self._waiting, self._times = None, 0
         over = _OVER * (look.end_ns - look.onset_ns)
         self.blocked_ns = look.onset_ns + max(round(over), 500_000_000)
-        return True
+        return look
+
+    def _remember(self, look: Look) -> None:
+        waiting = self._waiting
+        if waiting is not None and (look.now_ns - waiting.now_ns) * 1e-9 > _WAITS_S:
+            self._waiting, self._times = None, 0
+        sure = look.probability >= self.thresholds.going_on and look.progress >= _WAITS
+        if not look.resting and sure and self._listens(look):
+            same = self._waiting is not None and self._waiting.label == look.label
+            self._times = self._times + 1 if same else 1
+            self._waiting = look
 
     def may(self, label: str) -> bool:
         """Say whether a label is a command."""
