@@ -197,7 +197,7 @@ class KernelRecognizer(Enrolling):
         return np.asarray(softmax(self.doubt_.temperature * scores, axis=1))
 
     def accept_score(self, clips: Sequence[Clip]) -> Float[np.ndarray, " clips"]:
-        """Return the log odds that a clip truly shows the gesture it is most like; see ``recognise``."""
+        """Return the log odds that a clip truly shows the gesture it is most like, leeway not counted."""
         self._check_fitted()
         check_clips(clips)
         if len(clips) == 0:
@@ -206,6 +206,10 @@ class KernelRecognizer(Enrolling):
 
     def recognise(self, clip: Clip) -> Gesture:
         """Decide what one clip shows; ``label=None`` if it is no gesture, or if that is not sure enough.
+
+        The confidence is the probability that to act on it is right, at equal odds of right and wrong, and
+        with the gesture's leeway as odds that speak for it: at least ``accept_probability`` if it is
+        accepted, less if it is refused as not sure enough, whether it was enrolled with leeway or not.
 
         Raises:
             NotFittedError: Before ``fit``.
@@ -220,13 +224,12 @@ class KernelRecognizer(Enrolling):
         times = relative[nearest] / self.doubt_.typical[decided]
         label = str(self.classes_[decided])
         account = f"nearest example {self.names_[nearest]} at {times:.2f} times the usual distance"
-        sure = float(self.doubt_.acceptance.probability(log_odds)[0])
+        odds = log_odds + self.leeway_[decided]  # one threshold for all, so that a confidence means the same
+        sure = float(self.doubt_.acceptance.probability(odds)[0])
         if self.doubt_.background(scores)[0] > scores[0, decided]:
             return Gesture(None, sure, first, last, last, f"like a movement that is no gesture; {account}")
-        least = self.accept_threshold_ - self.leeway_[decided]
-        if log_odds[0] < least:
-            limit = float(self.doubt_.acceptance.probability(np.array([least]))[0])
-            reason = f"not sure of {label}: {sure:.3f} < {limit:.3f}; {account}"
+        if odds[0] < self.accept_threshold_:
+            reason = f"not sure of {label}: {sure:.3f} < {self.accept_probability:.3f}; {account}"
             return Gesture(None, sure, first, last, last, reason)
         return Gesture(label, sure, first, last, last, account)
 
@@ -248,7 +251,7 @@ class KernelRecognizer(Enrolling):
 
     @property
     def accept_probability(self) -> float:
-        """How sure ``recognise`` has to be."""
+        """The confidence that ``recognise`` has to reach, the same for every gesture."""
         self._check_fitted()
         return float(self.doubt_.acceptance.probability(np.array([self.accept_threshold_]))[0])
 
