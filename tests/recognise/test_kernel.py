@@ -647,6 +647,28 @@ def test_leeway_lets_an_enrolled_gesture_be_less_sure_than_the_others(fast, tmp_
     assert lenient.forget("spread").leeway_.tolist() == [0.0] * len(fast.classes_)
 
 
+def test_a_confidence_reaches_what_is_asked_for_if_and_only_if_the_gesture_is_accepted(own):
+    """An enrolled gesture that was accepted by its leeway used to be shown as 4 % sure."""
+    own.enrol("spread", [clip("spread", 0, take) for take in range(2)], leeway=6.0)
+    own.accept_threshold_ += 2.0  # so that some are refused
+    least, seen = own.accept_probability, set()
+    for one in clips(["spread", *GESTURES], range(7, 12)) + clips(["bow"], range(7, 10)):
+        said, label = own.recognise(one), own.predict([one])[0]
+        assert (said.confidence >= least) == (said.label is not None)
+        by_leeway = said.label is not None and own.accept_score([one])[0] < own.accept_threshold_
+        assert not by_leeway or label == "spread"
+        seen.add((label == "spread", said.label is not None, by_leeway))
+    assert {(True, True, True), (False, True, False), (False, False, False)} <= seen
+
+
+def test_what_is_refused_says_by_how_much_on_the_scale_of_its_confidence(own):
+    own.enrol("spread", [clip("spread", 0, take) for take in range(2)], leeway=1.0)
+    own.accept_threshold_ = 60.0
+    said = own.recognise(clip("spread", 8, 0))
+    assert said.label is None
+    assert f"not sure of spread: {said.confidence:.3f} < {own.accept_probability:.3f}" in said.reason
+
+
 def test_an_enrolled_gesture_is_learned_from_as_many_copies_as_are_asked_for(fast):
     shown = [clip("spread", 0, take) for take in range(2)]
     few, many = (deepcopy(fast).enrol("spread", shown, copies=copies) for copies in (1, 5))
