@@ -207,6 +207,35 @@ def test_who_may_be_hidden_is_not_taken_for_gone(before_m: float | None, covered
     assert keeper.away is away
 
 
+def sitting(z_m: float, share: float = 0.6) -> Seen:
+    """Somebody whose hips are seen so much nearer to their shoulders: behind their thighs."""
+    points = standing(0.0, z_m)
+    points[:11, 1] += (1 - share) * 0.5
+    points[11:23, 1] += (1 - share) * float(points[[23, 24], 1].mean() - points[[11, 12], 1].mean())
+    body = body_of(points)
+    return Seen(body, region_of(body), Pose(from_blazepose33(points), np.ones(13), 0))
+
+
+@pytest.mark.parametrize("close", [True, False])
+def test_who_sits_down_is_still_the_operator_unless_it_may_be_a_mixture(close: bool) -> None:
+    people = People()
+    keeper = OperatorKeeper(OperatorConfig(), people)
+    keeper.track = operator = people.add(looked_at(4.0), 0)
+    assert operator is not None
+    if close:
+        people.add(looked_at(3.5, x_m=-0.6), 0)
+    torso_m = operator.torso_m
+    for k in range(1, 31):
+        now = round(k * 1e9 / 30)
+        people.begin(now, operator, (0.0, 0.0), CAMERA)
+        keeper.begin(
+            Frame(np.zeros((480, 640, 3), np.uint8), np.full((480, 640), 3900, np.uint16), CAMERA, now)
+        )
+        claim = keeper.claim(sitting(4.0), now)
+        assert claim is (Claim.NO if close else Claim.YES)
+    assert operator.torso_m == pytest.approx(torso_m), "nor do they shrink for good"
+
+
 def bending(begin_s: float, end_s: float, depth_m: float = 0.3) -> Callable[[float], float]:
     return lambda t: depth_m * float(np.clip(min(t - begin_s, end_s - t) / 0.5, 0.0, 1.0))
 

@@ -116,6 +116,8 @@ def test_size_tells_a_child_from_an_adult() -> None:
     track = somebody(people, 0.0, 4.0)
     assert people.sized_like(track, look(0.0, 4.0, scale=1.15))
     assert not people.sized_like(track, look(0.0, 4.0, scale=0.6))
+    assert people.sized_like(track, look(0.0, 4.0, scale=0.6), folded=True), "who sits looks shorter"
+    assert not people.sized_like(track, look(0.0, 4.0, scale=1.5), folded=True), "nobody looks longer"
 
 
 def test_trunks_that_cannot_be_are_not_coherent() -> None:

@@ -221,17 +221,19 @@ class OperatorKeeper:
             # operator's own is not the operator. Farther off than expected it is not they.
             expected = float(np.linalg.norm(track.expected_m(now_ns, people.config.coast_s)))
             slack = max(0.5 * (expected - self._before_m[0] - UPRIGHT_M), 0.2)
-        if people.misfit(track, seen, now_ns, slack) >= 1.0 or not people.sized_like(track, seen):
+        followed = track.age_s(now_ns) <= self.config.glitch_s
+        careful = self._wary(now_ns) or not followed
+        if people.misfit(track, seen, now_ns, slack) >= 1.0:
+            return False
+        if not people.sized_like(track, seen, folded=not careful):
             return False
         mine = people.away_m(track, seen, now_ns)
-        followed = track.age_s(now_ns) <= self.config.glitch_s
         for other in people.tracks:
             age_s = other.age_s(now_ns)
             if other is track or other.looks <= 2 or age_s > (_LATELY_S if followed else _KNOWN_S):
                 continue
             if people.away_m(other, seen, now_ns) < mine:
                 return False
-        careful = self._wary(now_ns) or not followed
         if followed and careful and people.jumps(track, seen, now_ns):
             return False
         return not careful or people.looks_like(track, seen.appearance)

@@ -50,6 +50,9 @@ class PeopleConfig:
     """What is expected is not doubted by more, however long it is ago."""
     size_slack: float = 0.35
     """A torso's length may be off its usual one by this (logarithm): more is another or a wrong body."""
+    fold_slack: float = 0.75
+    """But so much shorter may be seen of who is followed without a break, nobody else close: who sits down or
+    bends has their hips behind their thighs. Nobody's torso grows."""
     unlike: float = 2.5
     """People whose ``Appearance.difference`` is greater are not the same one."""
     hips_apart_m: float = 0.45
@@ -219,9 +222,12 @@ class People:
         aside = float(np.linalg.norm(at_their_distance - expected))
         return aside > self.config.jump_m + _FASTEST_M_S * track.age_s(now_ns)
 
-    def sized_like(self, track: Track, seen: Seen) -> bool:
-        """Say whether a look can be of somebody's size."""
-        return abs(math.log(max(seen.torso_m, 1e-3) / track.torso_m)) < self.config.size_slack
+    def sized_like(self, track: Track, seen: Seen, *, folded: bool = False) -> bool:
+        """Say whether a look can be of somebody's size, or of them ``folded``: sitting or bent."""
+        longer = math.log(max(seen.torso_m, 1e-3) / track.torso_m)
+        return (
+            -(self.config.fold_slack if folded else self.config.size_slack) < longer < self.config.size_slack
+        )
 
     def looks_like(self, track: Track, appearance: Appearance | None) -> bool:
         """Say whether somebody of this appearance can be who is kept in mind; what is not known may be."""
@@ -306,7 +312,8 @@ class People:
             return
         # The first looks count alike; later ones change what is known slowly.
         share = max(1.0 / track.looks, 0.01)
-        track.torso_m *= math.exp(share * math.log(max(seen.torso_m, 1e-3) / track.torso_m))
+        if self.sized_like(track, seen):
+            track.torso_m *= math.exp(share * math.log(max(seen.torso_m, 1e-3) / track.torso_m))
         if seen.appearance is not None:
             known = track.appearance
             track.appearance = known.towards(seen.appearance, share) if known else seen.appearance
