@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import threading
 import time
 from collections.abc import Callable
@@ -26,8 +25,6 @@ if TYPE_CHECKING:
     from wigwag.vehicles.protocol import Vehicle
 
 _HEALTHY_S = 60.0
-_CHEST_M = 1.2
-"""What the camera is tilted to, above the ground."""
 
 
 @dataclass(frozen=True)
@@ -147,16 +144,13 @@ def fly_mission(
     from wigwag.cli.flying import Flying
     from wigwag.cli.preflight import in_order
     from wigwag.evaluate.mission import Mission
-    from wigwag.fly.operator import Mount
     from wigwag.fly.values import Command
     from wigwag.pilot import Pilot
     from wigwag.rig import Rig
     from wigwag.sim.stage import Stage, StageConfig
 
     eyes = truth or (lambda: vehicle.state)
-    # Whoever flies so high tilts the camera to the operator.
-    pitch_rad = math.atan2(max(settings.goal.altitude_m - _CHEST_M, 0.0), settings.goal.distance_m)
-    stage = Stage(eyes, wait, now_ns, StageConfig(seed=seed, mount=Mount(pitch_down_rad=pitch_rad)))
+    stage = Stage(eyes, wait, now_ns, StageConfig(seed=seed))
     model, labels = taught
     pilot = Pilot(stage, model, vehicle, config=replace(settings, mount=stage.config.mount))
     mission = Mission(stage, pilot, eyes, plan)

@@ -90,7 +90,8 @@ class Stage(Source):
         self.config = c = config or StageConfig()
         self._eyes, self._wait, self.now_ns = eyes, wait, now_ns
         self.person = Person.random(c.seed)
-        self._intrinsics = Intrinsics()
+        across, down = (math.tan(half) for half in c.half_view_rad)
+        self._intrinsics = Intrinsics(fx=320.0 / across, fy=240.0 / down)
         rng = np.random.default_rng([c.seed, 0x57A6E])
         typical = np.full((_NOISE_FRAMES, 13), 4.5)
         self._noise = landmark_noise(rng, typical, c.sensor)
