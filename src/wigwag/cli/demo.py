@@ -155,7 +155,7 @@ class Demo:
             with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
                 taught = pool.submit(teach_procedural, model, self.recognizer)
                 warm = pool.submit(warm_up)
-                with console.status("Teaching ten gestures by eight simulated training people ..."):
+                with console.status("Teaching ten gestures by simulated training people ..."):
                     warm.result()
                     estimator = pose_estimator()
                     session = self._procedural_session(estimator)

@@ -161,7 +161,7 @@ class Teach:
                 return open_student(self.model)
         with console.status("trying the camera"), open_camera(self.camera):
             pass  # what cannot be opened is told now, not after a minute of teaching
-        with console.status("teaching the demo's ten commands first, by eight simulated people ..."):
+        with console.status("teaching the demo's ten commands first, by simulated people ..."):
             student = teach_base(self.model, self.recognizer)
         console.print(f"{self.model}: begun with the demo's ten commands.", highlight=False)
         return student

@@ -87,13 +87,22 @@ def warm_up() -> None:
         Lifter()(np.full((13, 2), 200.0), np.ones(13), frame.depth_mm, frame.intrinsics)
 
 
+def usual(recognizer: str) -> LessonConfig:
+    """Return how much the demo teaches: streams need many people, each of whom need not show a gesture twice.
+
+    By eight people who show everything twice 117 of 120 commands of further simulated people were heard, one
+    false; by sixteen who show it once 118 and none, taught in three quarters of the time.
+    """
+    return LessonConfig(people=16, repetitions=1) if recognizer == "stream" else LessonConfig()
+
+
 def teach_procedural(model: Path, recognizer: str = "kernel", config: LessonConfig | None = None) -> int:
     """Teach the ten commands by simulated training people and save the recogniser.
 
     Returns:
         How many were taught.
     """
-    config = config or LessonConfig()
+    config = config or usual(recognizer)
     sessions = training_sessions(config.people, config.repetitions, config.seed)
     return teach_in_streams(sessions, model, recognizer, config)
 

@@ -11,7 +11,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from wigwag.errors import InputError
-from wigwag.evaluate.lessons import labelled, teach_procedural
+from wigwag.evaluate.lessons import labelled, teach_procedural, usual
 from wigwag.evaluate.metrics import people_interval, wilson_interval
 from wigwag.evaluate.showings import between_rests
 from wigwag.gesture import Gesture
@@ -44,7 +44,8 @@ def teach_base(path: Path, kind: Kind = "kernel") -> Student:
         if kind == "kernel":
             teach_procedural(path)
             return open_student(path)
-        sessions = training_sessions(8, 2, 0)
+        lesson = usual("stream")
+        sessions = training_sessions(lesson.people, lesson.repetitions, lesson.seed)
         commands = sorted({s.label for session in sessions for s in session.shown if s.is_command})
         settings = StreamConfig(commands=tuple(commands))
         student = StreamStudent.taught((), [labelled(session) for session in sessions], settings)
