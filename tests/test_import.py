@@ -6,7 +6,9 @@ import json
 import resource
 import subprocess
 import sys
+from graphlib import TopologicalSorter
 
+import grimp
 import pytest
 
 HEAVY = {"sklearn", "numba", "cv2", "matplotlib", "rotorpy", "scipy", "av", "ai_edge_litert", "rich", "tyro"}
@@ -32,6 +34,12 @@ def test_what_decides_and_what_parses_does_not_wait_for_what_teaches_and_draws(m
 def test_recognising_does_not_wait_for_what_only_teaching_elsewhere_and_drawing_need() -> None:
     loaded = json.loads(fresh("import wigwag.recognise, sys, json; print(json.dumps(list(sys.modules)))"))
     assert {"sklearn", "cv2", "matplotlib", "rotorpy", "scipy.optimize"} & set(loaded) == set()
+
+
+def test_no_modules_import_each_other_in_a_circle() -> None:
+    """Imports inside functions count, those for type checkers alone do not; the error names the circle."""
+    graph = grimp.build_graph("wigwag", exclude_type_checking_imports=True)
+    TopologicalSorter({m: graph.find_modules_directly_imported_by(m) for m in graph.modules}).prepare()
 
 
 def test_importing_wigwag_is_quick() -> None:

@@ -19,7 +19,8 @@ from wigwag.cli.lessons import NAME_MOST, Keeping, Voice, name_of
 from wigwag.datasets.folder import load_folder
 from wigwag.errors import InputError
 from wigwag.skeleton import Pose
-from wigwag.teach.student import KernelStudent, open_student
+from wigwag.teach.open import open_student
+from wigwag.teach.student import KernelStudent
 from wigwag.teach.teacher import LessonConfig
 from wigwag.view.console.values import Ask, Button, Lesson
 from wigwag.view.onlookers import Onlookers

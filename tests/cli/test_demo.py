@@ -159,3 +159,16 @@ def test_a_short_flight_from_pixels_to_figures_report_and_film(tmp_path: Path) -
     assert (tmp_path / "report.html").stat().st_size > 50_000
     with av.open(str(tmp_path / "demo.mp4")) as film:
         assert len(list(film.decode(video=0))) == -(-frames // 3)
+
+
+@pytest.mark.parametrize(("wrong", "false", "code"), [(0, 0, 0), (1, 0, 1), (0, 2, 1)])
+def test_the_exit_code_tells_of_what_nobody_asked_for(
+    wrong: int, false: int, code: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    summary = {
+        "gestures": {"recognised": 3, "shown": 4, "wrong": wrong}, "false_commands": false, "others_shown": 1,
+        "pose": {"found": 1.0, "frames": 9}, "loop": {"hz": 40.0}, "follow": None,
+    }  # fmt: skip
+    monkeypatch.setattr(Demo, "_fly", lambda *_: summary)
+    assert Demo(out=tmp_path, film=False).run() == code
+    assert json.loads((tmp_path / "summary.json").read_text())["false_commands"] == false

@@ -8,7 +8,8 @@ import pytest
 from tests.teach.people import GESTURES, clips_of, model
 from wigwag.cli.app import run
 from wigwag.datasets.folder import save_clip
-from wigwag.teach.student import KernelStudent, open_student
+from wigwag.teach.open import open_student
+from wigwag.teach.student import KernelStudent
 
 UNKNOWN = "error: There is no gesture 'x'. Known gestures: bow, land, left, orbit, up, wave."
 NO_FOLDER = "error: nowhere: no such folder. Expected <label>/<name>.json in it, one file a clip."

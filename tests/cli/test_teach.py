@@ -12,7 +12,8 @@ from wigwag.cli.app import run
 from wigwag.datasets.folder import load_folder
 from wigwag.errors import ModelError
 from wigwag.pose.blazepose import BlazePose
-from wigwag.teach.student import KernelStudent, open_student
+from wigwag.teach.open import open_student
+from wigwag.teach.student import KernelStudent
 
 FIRST_S = 4.0
 """What the simulated operator stands before that is left out."""

@@ -23,6 +23,11 @@ def test_extras_that_are_named_are_there() -> None:
     assert not [(extra, str(path)) for extra, path in named if extra not in extras]
 
 
+def test_no_page_stands_twice_in_the_menu() -> None:
+    pages = re.findall(r"^ +- (?:.*: )?(\S+\.md)$", Path("mkdocs.yml").read_text("utf-8"), re.MULTILINE)
+    assert len(pages) > 40 and len(pages) == len(set(pages))
+
+
 def test_what_the_container_copies_is_there() -> None:
     lines = Path("docker/Dockerfile").read_text("utf-8").splitlines()
     copied = [word for line in lines if line.startswith("COPY ") for word in line.split()[1:-1]]

@@ -1,12 +1,15 @@
 """The README's tables come from the records, and nowhere else."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
 
 from wigwag.errors import InputError
-from wigwag.evaluate.tables import BEGIN, END, fill, stream_table
+from wigwag.evaluate.tables import BEGIN, END, PARTS, fill, stream_table
+
+RECORDS = Path(__file__).parents[2] / "docs" / "records"
 
 LIFT = {
     "landmark": "wrist", "median_abs_mm": 15.1, "bias_mm": 0.0, "beyond_150_mm": 0.034, "missing": 0.001,
@@ -146,3 +149,55 @@ def test_smoothing_and_people_without_depth_have_tables(tmp_path: Path) -> None:
     text = page.read_text("utf-8")
     assert "| none | 30 | 3.0 / 3.0 / 9.0 | 1.0 / 1.0 / 2.0 | 20.0 | 15.0 | 3.0 | 40.0 |" in text
     assert "| 4 | stature stated | 99.5 | 2.1 / 7.0 | 61 | 70 | 96 |" in text
+
+
+TEACH = {
+    "kind": "KernelRecognizer", "gestures": ["goalpost", "crane"], "teacher": 11, "performer": 12,
+    "right": 40, "shown": 40, "wrong": 0, "false_commands": 1, "commands_shown": 20, "commands_right": 19,
+    "commands_right_before": 18,
+}  # fmt: skip
+
+
+def test_taught_gestures_are_counted_a_pair_of_people_and_together() -> None:
+    lines = PARTS["teach"][1]([TEACH, TEACH | {"teacher": 13, "performer": 14, "right": 38}]).splitlines()
+    new = "| KernelRecognizer | goalpost, crane |"
+    assert lines[2] == f"{new} 11, 12 | 40 of 40 | 91 to 100 | 0 | 1 | 18 of 20 | 19 of 20 |"
+    assert lines[4] == f"{new} **all** | 78 of 80 | 91 to 99 | 0 | 2 | 36 of 40 | 38 of 40 |"
+    assert len(PARTS["teach"][1]([TEACH]).splitlines()) == 3, "one pair is all there is"
+
+
+def test_recordings_have_a_row_a_kind_and_a_sentence_of_kills() -> None:
+    cost = {
+        "measure": "cost", "mb_ten_minutes": 369.64, "pictures": "jpeg", "depth": False, "seconds": 600.0,
+        "loop_ms_mean": 0.0479, "loop_ms_p99": 0.2122, "writer_ms_mean": 2.2066,
+    }  # fmt: skip
+    kills = {
+        "measure": "kills", "kills": 100, "opened": 99, "needed_repair": 3, "decided_alike": 98,
+        "lost_s_median": 0.267, "lost_s_max": 0.8,
+    }  # fmt: skip
+    table = PARTS["record"][1]([cost, kills])
+    assert "| jpeg | no | 370 | 0.048 | 0.212 | 2.21 | 600 |" in table
+    assert table.splitlines()[-1].startswith("Killed (`kill -9`) at random moments: 99 of 100 files open")
+    assert "lost 0.27 s in the median, 0.80 s at most; 98 are decided again alike" in table
+
+
+def test_viewers_and_missions_have_tables() -> None:
+    load = {
+        "load": "viewers", "viewers": 10, "turns": 600, "rate_hz": 31.25, "loop_ms": 12.3, "process_ms": 14.0,
+        "rate_left": 0.981, "rate_left_low": 0.96, "rate_left_high": 1.002,
+    }  # fmt: skip
+    assert "| 10 viewers | 31.2 | 98.1 (96.0 to 100.2) | 12.30 | 14.00 | 600 |" in PARTS["console"][1]([load])
+    alone = PARTS["console"][1]([load | {"load": "nobody", "viewers": 0}])
+    assert "| nobody | 31.2 |" in alone
+    found = {"vehicle": "PX4", "what": "left", "value": 0.04321, "asked": "15 %", "good": True}
+    rows = PARTS["mission"][1]([found, found | {"value": None, "good": False}]).splitlines()
+    assert rows[2:] == ["| PX4 | left | 0.0432 | 15 % | ok |", "| PX4 | left | never | 15 % | **missed** |"]
+
+
+@pytest.mark.parametrize("page", sorted(RECORDS.glob("*.json")), ids=lambda path: path.stem)
+def test_published_records_can_be_laid_out_and_name_no_machine(page: Path) -> None:
+    text = page.read_text("utf-8")
+    assert not re.search(r"/(home|work|tmp|root|Users)/", text)
+    name, content = page.stem.partition(".")[0], json.loads(text)
+    if name in PARTS:
+        assert PARTS[name][1](content if isinstance(content, list) else [content]).count("\n") >= 2

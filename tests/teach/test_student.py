@@ -11,8 +11,9 @@ from wigwag.recognise import HeavyRecognizer
 from wigwag.stream.gesture_stream import StreamConfig
 from wigwag.stream.models import load_model
 from wigwag.teach.advice import Fault
+from wigwag.teach.open import open_student
 from wigwag.teach.stream_student import StreamStudent
-from wigwag.teach.student import KernelStudent, Student, open_student
+from wigwag.teach.student import KernelStudent, Student
 
 
 def kernel() -> KernelStudent:

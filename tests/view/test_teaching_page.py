@@ -11,7 +11,8 @@ from tests.teach.people import model
 from tests.view.browsers import Tab, chromium, of_color, serving
 from wigwag.errors import ModelError
 from wigwag.pose.blazepose import BlazePose
-from wigwag.teach.student import KernelStudent, open_student
+from wigwag.teach.open import open_student
+from wigwag.teach.student import KernelStudent
 from wigwag.view.draw import RIGHT
 
 

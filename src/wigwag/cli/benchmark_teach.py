@@ -47,7 +47,7 @@ class TeachBenchmark:
         from wigwag.evaluate.enrolled import measure
         from wigwag.evaluate.records import Records, command_line
         from wigwag.evaluate.taught import teach_base
-        from wigwag.teach.student import open_student
+        from wigwag.teach.open import open_student
 
         people = self._people()
         records, console = (

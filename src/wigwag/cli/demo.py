@@ -38,7 +38,8 @@ HOVER_M = 4.0
 class Demo:
     """Fly a simulated drone by the gestures of a simulated operator; every pose comes from rendered pixels.
 
-    Writes summary.json, report.html and demo.mp4. Example: wigwag demo --seed 2 --out out
+    Writes summary.json, report.html and demo.mp4. Exit code 1: a command was false, or taken for another.
+    Example: wigwag demo --seed 2 --out out
 
     With gestures of your own: wigwag demo --model mine.wigwag --gestures goalpost --commands goalpost=orbit
     """
@@ -79,7 +80,7 @@ class Demo:
     looking: Looking = field(default_factory=Looking)
 
     def run(self) -> int:
-        """Teach, fly, judge, report; return 0."""
+        """Teach, fly, judge, report; return 0, or 1 if anything was done that nobody had asked for."""
         from rich.console import Console
         from threadpoolctl import threadpool_limits
 
@@ -112,7 +113,7 @@ class Demo:
         summary["wall_s"] = round(time.monotonic() - began, 1)
         (self.out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
         account(console, summary, self.out, filmed=self.film)
-        return 0
+        return int(summary["gestures"]["wrong"] > 0 or summary["false_commands"] > 0)
 
     def _fly(self, console: Console, onlookers: Onlookers) -> dict[str, Any]:
         if self.motion == "utd-mhad":

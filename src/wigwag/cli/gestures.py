@@ -172,7 +172,7 @@ class Gestures:
 
 
 def _open(console: Console, model: Path) -> Student:
-    from wigwag.teach.student import open_student
+    from wigwag.teach.open import open_student
 
     with console.status(f"reading {model}"):
         return open_student(model)

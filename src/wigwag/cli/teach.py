@@ -154,7 +154,7 @@ class Teach:
     def _student(self, console: Console) -> Student:
         from wigwag.cameras import open_camera
         from wigwag.evaluate.taught import teach_base
-        from wigwag.teach.student import open_student
+        from wigwag.teach.open import open_student
 
         if self.model.exists():
             with console.status(f"reading {self.model}"):

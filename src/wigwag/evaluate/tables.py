@@ -14,248 +14,27 @@ from typing import Any
 
 from wigwag.errors import InputError
 from wigwag.evaluate.stream.tables import stream_table
-from wigwag.evaluate.tables_pose import monocular_table, operator_table, smooth_table
+from wigwag.evaluate.tables_flight import demo_table, faults_table, follow_table
+from wigwag.evaluate.tables_pose import (
+    camera_table,
+    far_table,
+    lift_table,
+    monocular_table,
+    operator_table,
+    pose_table,
+    smooth_table,
+)
+from wigwag.evaluate.tables_product import console_table, mission_table, record_table, teach_table
+from wigwag.evaluate.tables_recognise import (
+    dtw_table,
+    few_shot_table,
+    gallery_table,
+    recognition_table,
+    reject_table,
+    transfer_table,
+)
 
 BEGIN, END = "<!-- results: begin -->", "<!-- results: end -->"
-
-PAPER = {
-    ("heavy", 27): "98.27", ("heavy", 6): "98.72", ("heavy", 7): "95.56",
-    ("encoded", 27): "83.24", ("encoded", 6): "97.44", ("encoded", 7): "86.67",
-}  # fmt: skip
-"""Accuracy that the paper reports on its random split, per cent."""
-
-
-def recognition_table(records: Sequence[Mapping[str, Any]]) -> str:
-    """Return the table of ``wigwag benchmark utd-mhad``."""
-    lines = [
-        "| recogniser | protocol | classes | accuracy, % (95 % interval) | macro F1, % | ms a case | seeds "
-        "| paper |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
-    for r in records:
-        low, high = (100 * float(v) for v in r["accuracy_ci95"])
-        classes = int(r["classes"])
-        paper = PAPER.get((r["recognizer"], classes), "") if r["protocol"] == "random" else ""
-        lines.append(
-            f"| {r['recognizer']} | {r['protocol']} | {classes} | {100 * r['accuracy_mean']:.2f} "
-            f"({low:.1f} to {high:.1f}) | {100 * r['macro_f1_mean']:.2f} | {r['ms_per_case_median']:.2f} | "
-            f"{r['seeds']} | {paper} |"
-        )
-    return "\n".join(lines)
-
-
-def lift_table(records: Sequence[Mapping[str, Any]]) -> str:
-    """Return the table of ``wigwag benchmark lift``: people on whom nothing was fitted."""
-    lines = [
-        "| landmark | pixels knocked out, % | median error, mm | beyond 150 mm, % | missing, % "
-        "| within 1 sd stated, % | within 2 sd, % | frames |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
-    for r in records:
-        if not r["subjects"].startswith("s2 s4 s6 s8") or "_" in r["landmark"]:
-            continue
-        lines.append(
-            f"| {r['landmark']} | {100 * r['knock_out']:.0f} | {r['median_abs_mm']:.1f} | "
-            f"{100 * r['beyond_150_mm']:.1f} | {100 * r['missing']:.1f} | {100 * r['within_1_sigma']:.1f} | "
-            f"{100 * r['within_2_sigma']:.1f} | {r['frames']} |"
-        )
-    return "\n".join(lines)
-
-
-def demo_table(summaries: Sequence[Mapping[str, Any]]) -> str:
-    """Return the table of ``wigwag demo``, a line a run."""
-    lines = [
-        "| motion, seed | right | wrong | false (others shown) | found | bearing error | distance error | "
-        "frames a second of one core | memory |",
-        "|---|---|---|---|---|---|---|---|---|",
-    ]
-    for s in summaries:
-        g, f = s["gestures"], s["follow"]
-        b, d = f["bearing_error_deg"], f["distance_error_m"]
-        lines.append(
-            f"| {s['motion']}, {s['seed']} | {g['recognised']} of {g['shown']} | {g['wrong']} | "
-            f"{s['false_commands']} ({s['others_shown']}) | {100 * s['pose']['found']:.1f} % | "
-            f"{b['mean']:.2f}° mean, {b['max']:.1f}° max | {d['mean']:.2f} m mean, {d['max']:.2f} m max | "
-            f"{s['loop']['hz']:.0f} | {s['rss_mb']} MB |"
-        )
-        if "clips" in s:
-            c = s["clips"]
-            lines.append(
-                f"| {s['motion']}, one by one | {c['right']} of {c['shown']} | {c['wrong']} | | | | | | |"
-            )
-    return "\n".join(lines)
-
-
-def few_shot_table(records: Sequence[Mapping[str, Any]]) -> str:
-    """Return the table of ``wigwag benchmark few-shot``."""
-    lines = [
-        "| recogniser | whose examples | a gesture | accuracy, % (95 % interval) | enrol, ms | draws |",
-        "|---|---|---|---|---|---|",
-    ]
-    for r in records:
-        low, high = (100 * float(v) for v in r["accuracy_ci95"])
-        enrol = "" if r["enrol_ms_median"] is None else f"{r['enrol_ms_median']:.0f}"
-        lines.append(
-            f"| {r['recognizer']} | {r['setting']} | {r['examples']} | {100 * r['accuracy_mean']:.2f} "
-            f"({low:.1f} to {high:.1f}) | {enrol} | {r['draws']} |"
-        )
-    return "\n".join(lines)
-
-
-def reject_table(records: Sequence[Mapping[str, Any]]) -> str:
-    """Return the table of ``wigwag benchmark reject``: means over draws of which gestures are known."""
-    lines = [
-        "| recogniser | known / unknown | taught as no gesture | AUROC, % | false accepts at 95 % true, % "
-        "| at its own threshold: true, % | false, % | draws |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
-    settings = dict.fromkeys((r["recognizer"], r["known"], r["unknown"], r["background"]) for r in records)
-    figures = ("auroc", "false_accept_at_95", "true_accept_at_threshold", "false_accept_at_threshold")
-    for setting in settings:
-        draws = [
-            r for r in records if (r["recognizer"], r["known"], r["unknown"], r["background"]) == setting
-        ]
-        means = [100 * sum(float(r[f]) for r in draws) / len(draws) for f in figures]
-        name, known, unknown, background = setting
-        shown = " | ".join(f"{mean:.1f}" for mean in means)
-        lines.append(f"| {name} | {known} / {unknown} | {background} | {shown} | {len(draws)} |")
-    return "\n".join(lines)
-
-
-def transfer_table(records: Sequence[Mapping[str, Any]]) -> str:
-    """Return the table of ``wigwag benchmark transfer``."""
-    lines = [
-        "| recogniser | accuracy, % (95 % interval) | macro F1, % | ms a case | fit, s | seeds |",
-        "|---|---|---|---|---|---|",
-    ]
-    for r in records:
-        low, high = (100 * float(v) for v in r["accuracy_ci95"])
-        lines.append(
-            f"| {r['recognizer']} | {100 * r['accuracy_mean']:.2f} ({low:.1f} to {high:.1f}) | "
-            f"{100 * r['macro_f1_mean']:.2f} | {r['ms_per_case_median']:.2f} | {r['fit_s']:.1f} | "
-            f"{r['seeds']} |"
-        )
-    return "\n".join(lines)
-
-
-def dtw_table(records: Sequence[Mapping[str, Any]]) -> str:
-    """Return the table of ``wigwag benchmark dtw``."""
-    lines = ["| case | library | ms a query | times ours |", "|---|---|---|---|"]
-    lines += [
-        f"| {r['case']} | {r['library']} | {r['ms_per_query_median']:.3f} | {r['times_ours']:.1f} |"
-        for r in records
-    ]
-    return "\n".join(lines)
-
-
-def gallery_table(records: Sequence[Mapping[str, Any]]) -> str:
-    """Return the table of ``wigwag benchmark gallery``."""
-    lines = [
-        "| enrolled clips | ms a query (median) | p95 | recall of the true nearest, % | DTW on all, ms |",
-        "|---|---|---|---|---|",
-    ]
-    lines += [
-        f"| {r['size']:,} | {r['ms_per_query_median']:.2f} | {r['ms_per_query_p95']:.2f} | "
-        f"{100 * r['recall']:.1f} | {r['ms_exact_median']:.1f} |"
-        for r in records
-    ]
-    return "\n".join(lines)
-
-
-def far_table(records: Sequence[Mapping[str, Any]]) -> str:
-    """Return the table of ``wigwag benchmark far``: all photos, single pictures and streams together."""
-    lines = [
-        "| person, px (about m) | composites | rightly found, % (95 % interval) | full frame alone, % "
-        "| landmark error, torsos | stream: acquired, % | frames to acquire, median / max | kept, % |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
-    streams = {r["person_px"]: r for r in records if r["mode"] == "stream" and r["data"] == "all"}
-    for r in records:
-        if r["mode"] != "picture" or r["data"] != "all":
-            continue
-        low, high = r["found_ci95"]
-        line = (
-            f"| {r['person_px']} ({r['distance_m_at_640x480']:.1f}) | {r['n']} | {r['found_pct']:.1f} "
-            f"({low:.1f} to {high:.1f}) | {r['full_frame_found_pct']:.1f} "
-            f"| {r['landmark_error_torso_median']:.3f} "
-        )
-        s = streams.get(r["person_px"])
-        line += (
-            "| | | |"
-            if s is None
-            else f"| {s['acquired_pct']:.1f} | {s['frames_to_acquire_median']:.0f} / "
-            f"{s['frames_to_acquire_max']} | {s['kept_pct']:.1f} |"
-        )
-        lines.append(line)
-    empty = [r for r in records if r["mode"] == "nobody"]
-    if empty:
-        false, n = (sum(r[key] for r in empty) for key in ("false_found", "n"))
-        lines += ["", f"Walls and furniture without a person: somebody found in {false} of {n} pictures."]
-    return "\n".join(lines)
-
-
-def faults_table(records: Sequence[Mapping[str, Any]]) -> str:
-    """Return the table of ``wigwag benchmark faults``."""
-    lines = [
-        "| fault | ended as documented | end | within, s | at most, s | nearest to the person, m |",
-        "|---|---|---|---|---|---|",
-    ]
-    lines += [
-        f"| {r['fault']} | {r['ended_as_documented']} of {r['runs']} | {r['end_state']} | "
-        f"{r['documented_s']:g} | {r['time_s_max']:.1f} | {r['nearest_m']:.2f} |"
-        for r in records
-    ]
-    return "\n".join(lines)
-
-
-def follow_table(records: Sequence[Mapping[str, Any]]) -> str:
-    """Return the table of ``wigwag benchmark follow``."""
-    lines = [
-        "| vehicle | bearing error, mean (worst run) | distance error, mean (worst run) | commands miss "
-        "their end by, mean | within 15 %, % | runs |",
-        "|---|---|---|---|---|---|",
-    ]
-    lines += [
-        f"| {r['vehicle']} | {r['bearing_deg_mean']:.2f}° ({r['bearing_deg_worst_run']:.2f}°) | "
-        f"{r['distance_m_mean']:.2f} m ({r['distance_m_worst_run']:.2f} m) | "
-        f"{100 * r['command_error_mean']:.1f} % | {100 * r['commands_within_15']:.0f} | {r['runs']} |"
-        for r in records
-    ]
-    return "\n".join(lines)
-
-
-def pose_table(records: Sequence[Mapping[str, Any]]) -> str:
-    """Return the table of ``wigwag benchmark pose``."""
-    lines = [
-        "| network | mode | pictures | engine | found | ms (median) | p95 | times LiteRT | apart, px |",
-        "|---|---|---|---|---|---|---|---|---|",
-    ]
-    for r in records:
-        figures = " | ".join(
-            "" if r[name] is None else f"{r[name]:.{digits}f}"
-            for name, digits in (
-                ("ms_median", 1), ("ms_p95", 1), ("times_litert", 2), ("agreement_px_median", 2),
-            )
-        )  # fmt: skip
-        lines.append(
-            f"| {r['model']} | {r['mode']} | {r['data']} | {r['engine']} | {r['found']} of {r['frames']} | "
-            f"{figures} |"
-        )
-    return "\n".join(lines)
-
-
-def camera_table(records: Sequence[Mapping[str, Any]]) -> str:
-    """Return the table of ``wigwag benchmark camera``."""
-    lines = [
-        "| measure | expected | frames a second of one core | ms (median) | p95 | at most | memory, MB |",
-        "|---|---|---|---|---|---|---|",
-    ]
-    for r in records:
-        names = ("frames_per_s", "ms_median", "ms_p95", "ms_max", "rss_mb")
-        figures = " | ".join("" if r[name] is None else f"{r[name]:.1f}" for name in names)
-        lines.append(f"| {r['measure']} | {r['expected']} | {figures} |")
-    return "\n".join(lines)
-
 
 Records = Sequence[Mapping[str, Any]]
 
@@ -343,6 +122,26 @@ PARTS: dict[str, tuple[str, Callable[[Records], str]]] = {
         "A person who walks an arc at 0.75 m/s for a minute, and every command, with late frames, noise and "
         "gusts (`wigwag benchmark follow --json FILE`):",
         follow_table,
+    ),
+    "mission": (
+        "A whole flight on a vehicle (`wigwag benchmark mission --vehicle ADDRESS --json FILE`): take off, "
+        "follow a person who walks an arc, obey six commands by gesture, land:",
+        mission_table,
+    ),
+    "teach": (
+        "Two new gestures, each taught by three showings of one simulated person and shown to a drone by "
+        "another, through rendered pixels (`wigwag benchmark teach --json FILE`):",
+        teach_table,
+    ),
+    "record": (
+        "A recorded flight, 640x480 at 30 Hz (`wigwag benchmark record --json FILE`), processor time; 10 "
+        "minutes are 18000 frames:",
+        record_table,
+    ),
+    "console": (
+        "Viewers of the console, which run on the same machine (`wigwag benchmark console --json FILE`); "
+        "with and without them by turns, medians:",
+        console_table,
     ),
     "gallery": (
         "A growing gallery (`wigwag benchmark gallery --data DIR --json FILE`), varied copies of UTD-MHAD's "

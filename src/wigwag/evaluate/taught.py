@@ -21,8 +21,9 @@ from wigwag.skeleton import Clip, Pose
 from wigwag.stream.gesture_stream import StreamConfig, StreamModel
 from wigwag.stream.models import Taught
 from wigwag.teach.advice import Advice, advise_likeness
+from wigwag.teach.open import open_student
 from wigwag.teach.stream_student import StreamStudent
-from wigwag.teach.student import KernelStudent, Student, open_student
+from wigwag.teach.student import KernelStudent, Student
 from wigwag.teach.teacher import Judge
 
 Kind = Literal["kernel", "stream"]

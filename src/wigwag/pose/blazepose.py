@@ -16,10 +16,10 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import Float
 
 from wigwag.errors import InputError
-from wigwag.pose.body import Body
+from wigwag.pose.body import Body, Picture
 from wigwag.pose.detector import Detector
 from wigwag.pose.landmarker import Landmarker, Sighting
 from wigwag.pose.models import DETECTOR, LANDMARKERS, find_model
@@ -27,8 +27,6 @@ from wigwag.pose.region import Region
 from wigwag.pose.search import AROUND, TILE_SHARES, Search, search_tiles
 
 _PATIENCE = 16
-
-Picture = UInt8[np.ndarray, "height width 3"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,10 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, UInt8
+
+Picture = UInt8[np.ndarray, "height width 3"]
+"""RGB, 8 bit."""
 
 
 class Point(IntEnum):

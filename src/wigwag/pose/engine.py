@@ -5,13 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal, Protocol, get_args
 
-import numpy as np
-from jaxtyping import UInt8
-
 from wigwag.errors import InputError
-from wigwag.pose.body import Body
-
-Picture = UInt8[np.ndarray, "height width 3"]
+from wigwag.pose.body import Body, Picture
 
 EngineName = Literal["litert", "mediapipe"]
 ModelName = Literal["lite", "full", "heavy"]
@@ -78,4 +73,4 @@ def open_engine(
     raise InputError(f"There is no pose engine {name!r}. Available: {', '.join(ENGINES)}.")
 
 
-__all__ = ["ENGINES", "EngineName", "ModelName", "PoseEngine", "open_engine"]
+__all__ = ["ENGINES", "EngineName", "ModelName", "Picture", "PoseEngine", "open_engine"]

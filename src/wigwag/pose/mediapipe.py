@@ -18,9 +18,8 @@ from jaxtyping import Float
 from wigwag.errors import MissingExtraError, ModelError
 from wigwag.extras import load, pip_install
 from wigwag.pose.blazepose import check_picture
-from wigwag.pose.body import Body
+from wigwag.pose.body import Body, Picture
 from wigwag.pose.bundle import task_file
-from wigwag.pose.engine import Picture
 from wigwag.pose.network import native_stderr_closed
 
 _FAR_APART_MS = 10_000_000

@@ -162,6 +162,9 @@ def _one_of(kinds: tuple[Any, ...], value: Any) -> Any:
 def schema(kind: Any) -> dict[str, Any]:
     """Return what JSON Schema says of a type, so that viewers know what can be plotted.
 
+    Fields that Foxglove's reader has no type for, arrays of arrays and mappings, are not described: it would
+    refuse the whole channel. They stand in the messages all the same.
+
     Example:
         >>> schema(tuple[float, ...])
         {'type': 'array', 'items': {'type': 'number'}}
@@ -174,7 +177,10 @@ def schema(kind: Any) -> dict[str, Any]:
         return {"type": "array", "items": schema(parts[0])}
     if _is_record(kind):
         own = {name: schema(hint) for name, hint in _hints(kind).items()}
-        return {"type": "object", "title": kind.__name__, "properties": own}
+        shown = {name: said for name, said in own.items() if _has_a_type_in_foxglove(said)}
+        return {"type": "object", "title": kind.__name__, "properties": shown}
+    if origin is typing.Literal:
+        return schema(type(parts[0]))
     if origin is Annotated:
         inner: dict[str, Any] = {"type": "number"}
         for _ in range(parts[1]):
@@ -184,6 +190,11 @@ def schema(kind: Any) -> dict[str, Any]:
     if kind in names:
         return {"type": names[kind]}
     return {"type": "string"} if kind in (str, Path) or isinstance(kind, type) else {}
+
+
+def _has_a_type_in_foxglove(said: dict[str, Any]) -> bool:
+    items = said.get("items", {"type": "none of an array"})
+    return "type" in said and items.get("type", "array") != "array"
 
 
 __all__ = ["plain", "revived", "schema", "text"]

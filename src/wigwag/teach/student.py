@@ -7,15 +7,13 @@ from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Sequence
 from os import PathLike
-from pathlib import Path
 from typing import Self
 
 import numpy as np
 
-from wigwag.errors import InputError, ModelError
+from wigwag.errors import InputError
 from wigwag.recognise import KernelRecognizer
 from wigwag.recognise.similarity import Similarities
-from wigwag.recognise.store import kind_of
 from wigwag.skeleton import Clip
 from wigwag.stream.gesture_stream import StreamModel
 from wigwag.teach.advice import Near
@@ -214,23 +212,4 @@ class KernelStudent(Student):
         return model.similarities, model.numbers_, model.doubt_.typical
 
 
-def open_student(path: str | PathLike[str]) -> Student:
-    """Read a model that can learn on.
-
-    Raises:
-        ModelError: If the file is missing, damaged, or holds a model that cannot learn on.
-    """
-    from wigwag.teach.stream_student import StreamStudent
-
-    kind = kind_of(path)
-    if kind == KernelRecognizer.__name__:
-        return KernelStudent(KernelRecognizer.load(path))
-    if kind == StreamModel.__name__:
-        return StreamStudent.load(path)
-    raise ModelError(
-        f"{Path(path)}: holds a {kind}, which cannot learn on. Teach a KernelRecognizer or a StreamModel: "
-        "wigwag train CLIPS -o MODEL."
-    )
-
-
-__all__ = ["COPIES", "LEEWAY", "LEEWAY_WITHOUT_BACKGROUND", "KernelStudent", "Student", "open_student"]
+__all__ = ["COPIES", "LEEWAY", "LEEWAY_WITHOUT_BACKGROUND", "KernelStudent", "Student"]
