@@ -79,8 +79,10 @@ class Speaker:
         self._remember(look)
         if not look.resting or self._waiting is None or self._times < _TIMES:
             return None
-        over = replace(self._waiting, now_ns=look.now_ns, progress=1.0, resting=True)
-        return self._spoken(over)
+        # A rest may be a pause in the middle: where the gesture ends, the look that waits knows better.
+        waiting = self._waiting
+        self._spoken(replace(waiting, now_ns=look.now_ns, progress=1.0))
+        return waiting
 
     def _speaks(self, look: Look) -> bool:
         if not self._listens(look):
