@@ -96,6 +96,7 @@ def test_camera_to_pose(networks, monkeypatch, tmp_path, capsys):
         "searching, nobody there",
         "searching, somebody at 9 m",
         "from stamp to pose, 30 Hz",
+        "besides the engine",
         "from stamp to pose, 120 Hz, engine at 15 Hz",
         "memory of a process",
     ]
