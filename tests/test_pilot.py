@@ -360,6 +360,21 @@ def test_the_spotter_sees_the_operator_level_however_the_drone_is_tilted() -> No
     np.testing.assert_allclose(shown[1].joints, shown[0].joints, atol=1e-9)
 
 
+def test_the_spotter_sees_no_climb_of_the_drone_but_that_of_the_operator() -> None:
+    """The drone climbs at 0.5 m/s, and its frames are three turns late; then the operator squats by 0.3 m."""
+    flight, heights = Flight(), []
+    for k in range(1, 61):
+        now_ns, stamp_ns = k * PERIOD_NS, max(k - 3, 1) * PERIOD_NS
+        flight.drone.state = VehicleState(np.array([0, 0, 1.2 + k / 60]), np.zeros(3), 0.0, now_ns)
+        hips_m = 1.0 if k <= 30 else 0.7
+        flight.sight.at_m = (0.0, 1.2 + stamp_ns / PERIOD_NS / 60 - hips_m, 4.5)
+        movement = flight.pilot.step(good(stamp_ns), now_ns).movement
+        if movement is not None:
+            heights.append(-float(movement.hip_center[1]))
+    np.testing.assert_allclose(heights[:27], 1.0, atol=1e-6)
+    np.testing.assert_allclose(heights[-25:], 0.7, atol=1e-6)
+
+
 def test_a_vehicle_whose_state_is_stale_is_held() -> None:
     flight = Flight()
     flight.turns(0.5)

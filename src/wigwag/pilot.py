@@ -100,7 +100,7 @@ class Step:
     pose: Pose | None
     """As measured, camera optical frame."""
     movement: Pose | None
-    """The same without the drone's tilt and turn: what the spotter saw."""
+    """The same without the drone's tilt, turn and climb: what the spotter saw."""
     gesture: Gesture | None
     command: Command | None
     """What the gesture asks for; whether it was obeyed is in ``verdict``."""
@@ -262,13 +262,17 @@ class Pilot:
             self._number = operator.number
 
     def _level(self, pose: Pose) -> Pose:
-        """Take the drone's tilt and turn out of a pose: what is left is the operator's own movement.
+        """Take the drone's tilt, turn and climb out of a pose: what is left is the operator's own movement.
 
-        The result stays in an optical frame (y down), level, looking along the line of sight to the track.
+        The result stays in an optical frame (y down, from the height at which the vehicle started), level,
+        looking along the line of sight to the track. How far the operator is ahead and aside stays as the
+        drone saw it: recognisers for drones take the hips' path out of that, but not out of the height, by
+        which a squat is known.
         """
         state = self.track.state_at(pose.stamp_ns)
         body = np.stack([self.config.mount.to_body(joint) for joint in pose.joints])
         world = body @ rotation(state).T
+        world[:, 2] += state.position_m[2]
         sight = self.track.position_m(pose.stamp_ns) - state.position_m
         angle = float(np.arctan2(sight[1], sight[0]))
         cos, sin = np.cos(angle), np.sin(angle)
