@@ -89,7 +89,11 @@ def mission_table(records: Records) -> str:
     """Return the table of ``wigwag benchmark mission``: a row a finding."""
     lines = ["| vehicle | what | flown | asked | |", "|---|---|---|---|---|"]
     for r in records:
-        flown = "never" if r["value"] is None else f"{r['value']:.3g}"
+        if r["value"] is None:  # nothing to measure: it was done, or it was not
+            flown = "done" if r["good"] else "never"
+        else:
+            unit = next((u for u in ("%", "degrees", "m") if u in r["asked"].split()), "")
+            flown = f"{r['value']:.3g} {unit}".rstrip()
         verdict = "ok" if r["good"] else "**missed**"
         lines.append(f"| {r['vehicle']} | {r['what']} | {flown} | {r['asked']} | {verdict} |")
     return "\n".join(lines)
