@@ -191,7 +191,9 @@ def test_viewers_and_missions_have_tables() -> None:
     assert "| nobody | 31.2 |" in alone
     found = {"vehicle": "PX4", "what": "left", "value": 0.04321, "asked": "15 %", "good": True}
     rows = PARTS["mission"][1]([found, found | {"value": None, "good": False}]).splitlines()
-    assert rows[2:] == ["| PX4 | left | 0.0432 | 15 % | ok |", "| PX4 | left | never | 15 % | **missed** |"]
+    assert rows[2:] == ["| PX4 | left | 0.0432 % | 15 % | ok |", "| PX4 | left | never | 15 % | **missed** |"]
+    landed = {"vehicle": "PX4", "what": "land", "value": None, "asked": "disarmed", "good": True}
+    assert "| land | done |" in PARTS["mission"][1]([landed])
 
 
 @pytest.mark.parametrize("page", sorted(RECORDS.glob("*.json")), ids=lambda path: path.stem)

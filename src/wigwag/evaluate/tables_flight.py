@@ -11,23 +11,25 @@ Records = Sequence[Mapping[str, Any]]
 def demo_table(summaries: Records) -> str:
     """Return the table of ``wigwag demo``, a line a run."""
     lines = [
-        "| motion, seed | right | wrong | false (others shown) | found | bearing error | distance error | "
-        "frames a second of one core | memory |",
-        "|---|---|---|---|---|---|---|---|---|",
+        "| motion, seed | right | wrong | false (others shown) | decided after the end, median | found | "
+        "bearing error | distance error | frames a second of one core | memory |",
+        "|---|---|---|---|---|---|---|---|---|---|",
     ]
     for s in summaries:
         g, f = s["gestures"], s["follow"]
         b, d = f["bearing_error_deg"], f["distance_error_m"]
+        after_s = g["decided_after_end_s_median"]
+        decided = "" if after_s is None else f"{after_s:.2f} s"
         lines.append(
             f"| {s['motion']}, {s['seed']} | {g['recognised']} of {g['shown']} | {g['wrong']} | "
-            f"{s['false_commands']} ({s['others_shown']}) | {100 * s['pose']['found']:.1f} % | "
+            f"{s['false_commands']} ({s['others_shown']}) | {decided} | {100 * s['pose']['found']:.1f} % | "
             f"{b['mean']:.2f}° mean, {b['max']:.1f}° max | {d['mean']:.2f} m mean, {d['max']:.2f} m max | "
             f"{s['loop']['hz']:.0f} | {s['rss_mb']} MB |"
         )
         if "clips" in s:
             c = s["clips"]
             lines.append(
-                f"| {s['motion']}, one by one | {c['right']} of {c['shown']} | {c['wrong']} | | | | | | |"
+                f"| {s['motion']}, one by one | {c['right']} of {c['shown']} | {c['wrong']} | | | | | | | |"
             )
     return "\n".join(lines)
 
