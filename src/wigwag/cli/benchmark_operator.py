@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from wigwag.evaluate.operator import Condition
+    from wigwag.evaluate.passers import Condition
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class OperatorBenchmark:
 
     def _conditions(self) -> list[Condition]:
         from wigwag.errors import InputError
-        from wigwag.evaluate.operator import CONDITIONS
+        from wigwag.evaluate.passers import CONDITIONS
 
         if self.crossings < 1:
             raise InputError(f"--crossings must be 1 or more, but got {self.crossings}.")
