@@ -10,9 +10,9 @@ import json
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from wigwag.errors import InputError
+from wigwag.evaluate.markdown import Records
 from wigwag.evaluate.stream.tables import stream_table
 from wigwag.evaluate.tables_flight import demo_table, faults_table, follow_table
 from wigwag.evaluate.tables_pose import (
@@ -35,8 +35,6 @@ from wigwag.evaluate.tables_recognise import (
 )
 
 BEGIN, END = "<!-- results: begin -->", "<!-- results: end -->"
-
-Records = Sequence[Mapping[str, Any]]
 
 PARTS: dict[str, tuple[str, Callable[[Records], str]]] = {
     "demo": ("The whole chain, simulated (`wigwag demo --seed N`):", demo_table),

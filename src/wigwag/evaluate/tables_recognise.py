@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
-Records = Sequence[Mapping[str, Any]]
+from wigwag.evaluate.markdown import Records, table
 
 PAPER = {
     ("heavy", 27): "98.27", ("heavy", 6): "98.72", ("heavy", 7): "95.56",
@@ -16,94 +16,112 @@ PAPER = {
 
 def recognition_table(records: Records) -> str:
     """Return the table of ``wigwag benchmark utd-mhad``."""
-    lines = [
-        "| recogniser | protocol | classes | accuracy, % (95 % interval) | macro F1, % | ms a case | seeds "
-        "| paper |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
+    rows = []
     for r in records:
-        low, high = (100 * float(v) for v in r["accuracy_ci95"])
         classes = int(r["classes"])
         paper = PAPER.get((r["recognizer"], classes), "") if r["protocol"] == "random" else ""
-        lines.append(
-            f"| {r['recognizer']} | {r['protocol']} | {classes} | {100 * r['accuracy_mean']:.2f} "
-            f"({low:.1f} to {high:.1f}) | {100 * r['macro_f1_mean']:.2f} | {r['ms_per_case_median']:.2f} | "
-            f"{r['seeds']} | {paper} |"
-        )
-    return "\n".join(lines)
+        rows.append((
+            r["recognizer"], r["protocol"], classes, _accuracy(r), f"{100 * r['macro_f1_mean']:.2f}",
+            f"{r['ms_per_case_median']:.2f}", r["seeds"], paper,
+        ))  # fmt: skip
+    return table(
+        (
+            "recogniser", "protocol", "classes", "accuracy, % (95 % interval)", "macro F1, %", "ms a case",
+            "seeds", "paper",
+        ),
+        rows,
+    )  # fmt: skip
 
 
 def few_shot_table(records: Records) -> str:
     """Return the table of ``wigwag benchmark few-shot``."""
-    lines = [
-        "| recogniser | whose examples | a gesture | accuracy, % (95 % interval) | enrol, ms | draws |",
-        "|---|---|---|---|---|---|",
-    ]
-    for r in records:
-        low, high = (100 * float(v) for v in r["accuracy_ci95"])
-        enrol = "" if r["enrol_ms_median"] is None else f"{r['enrol_ms_median']:.0f}"
-        lines.append(
-            f"| {r['recognizer']} | {r['setting']} | {r['examples']} | {100 * r['accuracy_mean']:.2f} "
-            f"({low:.1f} to {high:.1f}) | {enrol} | {r['draws']} |"
-        )
-    return "\n".join(lines)
+    return table(
+        ("recogniser", "whose examples", "a gesture", "accuracy, % (95 % interval)", "enrol, ms", "draws"),
+        [
+            (
+                r["recognizer"], r["setting"], r["examples"], _accuracy(r),
+                "" if r["enrol_ms_median"] is None else f"{r['enrol_ms_median']:.0f}", r["draws"],
+            )
+            for r in records
+        ],
+    )  # fmt: skip
 
 
 def reject_table(records: Records) -> str:
     """Return the table of ``wigwag benchmark reject``: means over draws of which gestures are known."""
-    lines = [
-        "| recogniser | known / unknown | taught as no gesture | AUROC, % | false accepts at 95 % true, % "
-        "| at its own threshold: true, % | false, % | draws |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
     settings = dict.fromkeys((r["recognizer"], r["known"], r["unknown"], r["background"]) for r in records)
     figures = ("auroc", "false_accept_at_95", "true_accept_at_threshold", "false_accept_at_threshold")
+    rows = []
     for setting in settings:
         draws = [
             r for r in records if (r["recognizer"], r["known"], r["unknown"], r["background"]) == setting
         ]
         means = [100 * sum(float(r[f]) for r in draws) / len(draws) for f in figures]
         name, known, unknown, background = setting
-        shown = " | ".join(f"{mean:.1f}" for mean in means)
-        lines.append(f"| {name} | {known} / {unknown} | {background} | {shown} | {len(draws)} |")
-    return "\n".join(lines)
+        shown = [f"{mean:.1f}" for mean in means]
+        rows.append((name, f"{known} / {unknown}", background, *shown, len(draws)))
+    return table(
+        (
+            "recogniser", "known / unknown", "taught as no gesture", "AUROC, %",
+            "false accepts at 95 % true, %", "at its own threshold: true, %", "false, %", "draws",
+        ),
+        rows,
+    )  # fmt: skip
 
 
 def transfer_table(records: Records) -> str:
     """Return the table of ``wigwag benchmark transfer``."""
-    lines = [
-        "| recogniser | accuracy, % (95 % interval) | macro F1, % | ms a case | fit, s | seeds |",
-        "|---|---|---|---|---|---|",
-    ]
-    for r in records:
-        low, high = (100 * float(v) for v in r["accuracy_ci95"])
-        lines.append(
-            f"| {r['recognizer']} | {100 * r['accuracy_mean']:.2f} ({low:.1f} to {high:.1f}) | "
-            f"{100 * r['macro_f1_mean']:.2f} | {r['ms_per_case_median']:.2f} | {r['fit_s']:.1f} | "
-            f"{r['seeds']} |"
-        )
-    return "\n".join(lines)
+    return table(
+        ("recogniser", "accuracy, % (95 % interval)", "macro F1, %", "ms a case", "fit, s", "seeds"),
+        [
+            (
+                r["recognizer"], _accuracy(r), f"{100 * r['macro_f1_mean']:.2f}",
+                f"{r['ms_per_case_median']:.2f}", f"{r['fit_s']:.1f}", r["seeds"],
+            )
+            for r in records
+        ],
+    )  # fmt: skip
 
 
 def dtw_table(records: Records) -> str:
     """Return the table of ``wigwag benchmark dtw``."""
-    lines = ["| case | library | ms a query | times ours |", "|---|---|---|---|"]
-    lines += [
-        f"| {r['case']} | {r['library']} | {r['ms_per_query_median']:.3f} | {r['times_ours']:.1f} |"
-        for r in records
-    ]
-    return "\n".join(lines)
+    return table(
+        ("case", "library", "ms a query", "times ours"),
+        [
+            (r["case"], r["library"], f"{r['ms_per_query_median']:.3f}", f"{r['times_ours']:.1f}")
+            for r in records
+        ],
+    )
 
 
 def gallery_table(records: Records) -> str:
     """Return the table of ``wigwag benchmark gallery``."""
-    lines = [
-        "| enrolled clips | ms a query (median) | p95 | recall of the true nearest, % | DTW on all, ms |",
-        "|---|---|---|---|---|",
-    ]
-    lines += [
-        f"| {r['size']:,} | {r['ms_per_query_median']:.2f} | {r['ms_per_query_p95']:.2f} | "
-        f"{100 * r['recall']:.1f} | {r['ms_exact_median']:.1f} |"
-        for r in records
-    ]
-    return "\n".join(lines)
+    return table(
+        (
+            "enrolled clips", "ms a query (median)", "p95", "recall of the true nearest, %",
+            "DTW on all, ms",
+        ),
+        [
+            (
+                f"{r['size']:,}", f"{r['ms_per_query_median']:.2f}", f"{r['ms_per_query_p95']:.2f}",
+                f"{100 * r['recall']:.1f}", f"{r['ms_exact_median']:.1f}",
+            )
+            for r in records
+        ],
+    )  # fmt: skip
+
+
+def _accuracy(record: Mapping[str, Any]) -> str:
+    """Return the accuracy and its interval, per cent."""
+    low, high = (100 * float(v) for v in record["accuracy_ci95"])
+    return f"{100 * record['accuracy_mean']:.2f} ({low:.1f} to {high:.1f})"
+
+
+__all__ = [
+    "dtw_table",
+    "few_shot_table",
+    "gallery_table",
+    "recognition_table",
+    "reject_table",
+    "transfer_table",
+]

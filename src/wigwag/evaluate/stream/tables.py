@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
+from wigwag.evaluate.markdown import Records, table
 
-def stream_table(records: Sequence[Mapping[str, Any]]) -> str:
+
+def stream_table(records: Records) -> str:
     """Return the tables of ``wigwag benchmark stream``: streams, faults, and what listening costs."""
     clean = [r for r in records if r["data"] != "cost" and r["corrupt"] is None]
     faulty = [r for r in records if r["data"] != "cost" and r["corrupt"] is not None]
@@ -28,55 +30,59 @@ def stream_of(record: Mapping[str, Any]) -> str:
     return f"{record['data']}{rate}" + (f", {record['corrupt']}" if record["corrupt"] else "")
 
 
-def _streams(records: Sequence[Mapping[str, Any]]) -> str:
-    lines = [
-        "| system | stream | classes | hours (distinct) | gestures | F1 | found, % | false commands an hour "
-        "(95 %) | Jaccard | after the end, s | before the end, % | seen, % | ms a pose |",
-        "|---|---|---|---|---|---|---|---|---|---|---|---|---|",
-    ]
+def _streams(records: Records) -> str:
+    rows = []
     for r in records:
         low, high = r["false_commands_ci95"]
         score = r["event_f1"] if r["action_point_f1"] is None else r["action_point_f1"]
         false = f"{r['false_commands_per_hour']:.1f} ({low:.1f} to {high:.1f})"
         if r["twins"]:
             false += f"; {r['false_commands_per_hour_with_twins']:.1f} with twins"
-        shown = (
+        rows.append((
             r["system"], stream_of(r), r["vocabulary"], f"{r['hours']:.1f} ({r['hours_distinct']:.1f})",
-            str(r["events"] or ""), _shown(score, 3), _shown(r["detection_rate"], 1, 100), false,
+            r["events"] or "", _shown(score, 3), _shown(r["detection_rate"], 1, 100), false,
             _shown(r["jaccard"], 3), _shown(r["delay_from_end_s_median"], 2),
             _shown(r["decided_before_end"], 0, 100), _shown(r["share_seen_median"], 0, 100),
             f"{r['ms_per_pose_mean']:.2f}",
-        )  # fmt: skip
-        lines.append(f"| {' | '.join(shown)} |")
-    return "\n".join(lines)
+        ))  # fmt: skip
+    return table(
+        (
+            "system", "stream", "classes", "hours (distinct)", "gestures", "F1", "found, %",
+            "false commands an hour (95 %)", "Jaccard", "after the end, s", "before the end, %", "seen, %",
+            "ms a pose",
+        ),
+        rows,
+    )  # fmt: skip
 
 
-def _faults(records: Sequence[Mapping[str, Any]]) -> str:
-    lines = [
-        "| system | stream | classes | fault | F1 lost | false commands more | exceptions |",
-        "|---|---|---|---|---|---|---|",
-    ]
-    lines += [
-        f"| {r['system']} | {r['data']} | {r['vocabulary']} | {r['corrupt']} | {_shown(r['f1_lost'], 3)} | "
-        f"{r['false_commands_more']:+d} in {r['hours']:.1f} h | {r['exceptions']} |"
-        for r in records
-    ]
-    return "\n".join(lines)
+def _faults(records: Records) -> str:
+    return table(
+        ("system", "stream", "classes", "fault", "F1 lost", "false commands more", "exceptions"),
+        [
+            (
+                r["system"], r["data"], r["vocabulary"], r["corrupt"], _shown(r["f1_lost"], 3),
+                f"{r['false_commands_more']:+d} in {r['hours']:.1f} h", r["exceptions"],
+            )
+            for r in records
+        ],
+    )  # fmt: skip
 
 
-def _cost(records: Sequence[Mapping[str, Any]]) -> str:
-    lines = [
-        "| system | gestures | ms a pose | 99 % below | at most | last to first quarter "
-        "| memory, MB (growth) |",
-        "|---|---|---|---|---|---|---|",
-    ]
-    lines += [
-        f"| {r['system']} | {r['gestures']} | {r['ms_per_pose_mean']:.3f} | {r['ms_per_pose_p99']:.2f} | "
-        f"{r['ms_per_pose_max']:.1f} | {r['last_to_first_quarter']:.2f} | {r['rss_mb']:.0f} "
-        f"({r['rss_growth_mb']:+.1f}) |"
-        for r in records
-    ]
-    return "\n".join(lines)
+def _cost(records: Records) -> str:
+    return table(
+        (
+            "system", "gestures", "ms a pose", "99 % below", "at most", "last to first quarter",
+            "memory, MB (growth)",
+        ),
+        [
+            (
+                r["system"], r["gestures"], f"{r['ms_per_pose_mean']:.3f}", f"{r['ms_per_pose_p99']:.2f}",
+                f"{r['ms_per_pose_max']:.1f}", f"{r['last_to_first_quarter']:.2f}",
+                f"{r['rss_mb']:.0f} ({r['rss_growth_mb']:+.1f})",
+            )
+            for r in records
+        ],
+    )  # fmt: skip
 
 
 def _shown(value: float | None, digits: int, times: float = 1.0) -> str:
