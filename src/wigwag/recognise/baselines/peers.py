@@ -37,9 +37,13 @@ class PeerRecognizer(Baseline):
     """
 
     _normalisation: Normalisation
-    normalisation: Normalisation | None
-    frames: int
-    random_state: int
+
+    def __init__(
+        self, *, normalisation: Normalisation | None = None, frames: int = 64, random_state: int = 0
+    ) -> None:
+        self.normalisation = normalisation
+        self.frames = frames
+        self.random_state = random_state
 
     @abstractmethod
     def _peer(self) -> _Peer:
@@ -104,13 +108,6 @@ class AeonDtwRecognizer(PeerRecognizer):
 
     _normalisation = Normalisation.paper()
 
-    def __init__(
-        self, *, normalisation: Normalisation | None = None, frames: int = 64, random_state: int = 0
-    ) -> None:
-        self.normalisation = normalisation
-        self.frames = frames
-        self.random_state = random_state
-
     def _peer(self) -> _Peer:
         try:
             from aeon.classification.distance_based import KNeighborsTimeSeriesClassifier
@@ -136,13 +133,6 @@ class MultiRocketRecognizer(PeerRecognizer):
     """
 
     _normalisation = CLIP_WISE
-
-    def __init__(
-        self, *, normalisation: Normalisation | None = None, frames: int = 64, random_state: int = 0
-    ) -> None:
-        self.normalisation = normalisation
-        self.frames = frames
-        self.random_state = random_state
 
     def _peer(self) -> _Peer:
         try:
