@@ -99,3 +99,13 @@ def test_settings_out_of_range() -> None:
         StreamConfig(earliness=1.5)
     with pytest.raises(InputError, match="false_per_hour must be 0 or more"):
         StreamConfig(false_per_hour=-1)
+
+
+def test_the_usual_length_says_most_of_where_a_gesture_lies() -> None:
+    assert LOOK.span_ns == (1 * S, round(3.5 * S))
+    longer = replace(LOOK, usual_s=4.0)  # 2 of 2.5 s seem to have passed: 3.56 s, ending 0.71 s from now
+    onset_ns, end_ns = longer.span_ns
+    assert end_ns * 1e-9 == pytest.approx(3.711, abs=0.001)
+    assert onset_ns * 1e-9 == pytest.approx((1 + 3.711 - 3.557) / 2, abs=0.001)
+    assert replace(LOOK, usual_s=2.5).span_ns == (1 * S, round(3.5 * S))
+    assert replace(longer, now_ns=LOOK.onset_ns).span_ns == (1 * S, 1 * S)

@@ -47,6 +47,7 @@ class StreamModel:
             hypothesis.resting,
             times > self.prefixes.limits[decided],
             f"nearest example {self.prefixes.names[nearest]} at {times:.2f} times the usual distance",
+            self.prefixes.usual_s(decided),
         )
 
     def save(self, path: str | PathLike[str]) -> None:
@@ -132,9 +133,7 @@ class GestureStream:
         if said is not None:
             self._watcher.block(self._speaker.blocked_ns)
             self._best = None
-            return Gesture(
-                said.label, said.probability, said.onset_ns, said.end_ns, pose.stamp_ns, said.account
-            )
+            return Gesture(said.label, said.probability, *said.span_ns, pose.stamp_ns, said.account)
         if self._best is None or look.probability >= self._best.probability:
             self._best = look
         return None

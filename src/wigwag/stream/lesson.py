@@ -93,6 +93,7 @@ class Lesson:
         self.model.typical = typical
         sureness, probabilities = self._be_sure(rehearsals)
         thresholds = choose(rehearsals, probabilities, self.model.labels, config)
+        self.model.lengths_s = self._lengths_s()
         self.model.limits = limits_of(rehearsals, len(self.model.labels))
         return StreamModel(self.model, sureness, thresholds, config)
 
@@ -239,6 +240,14 @@ class Lesson:
         usual = [float(np.median(logs)) if len(logs) >= 5 else np.nan for logs in near]
         overall = float(np.nanmedian(usual)) if np.isfinite(usual).any() else 0.0
         return np.asarray(np.exp(np.where(np.isfinite(usual), usual, overall)))
+
+    def _lengths_s(self) -> Float[np.ndarray, " labels"]:
+        """Return how long each gesture takes, in the middle of all that are shown."""
+        every = [showing for truth in self.truth for showing in truth]
+        return np.array([
+            np.median([(s.end_ns - s.onset_ns) * 1e-9 for s in every if s.label == label])
+            for label in self.model.labels
+        ])  # fmt: skip
 
     def _be_sure(self, rehearsals: Sequence[Rehearsal]) -> tuple[Sureness, list[np.ndarray]]:
         """Learn how sure to be; and for choosing thresholds, how sure people left out of that make it."""

@@ -88,6 +88,7 @@ class PrefixModel:
         self.names = [clip.name for clip in clips]
         self.typical = np.ones(len(self.labels))
         self.limits = np.full(len(self.labels), np.inf)
+        self.lengths_s = np.full(len(self.labels), np.nan)
         self.weights = np.zeros((0, len(self.labels) + 2), dtype=np.float32)
 
     def sides(self, clip: Clip) -> Sides:
@@ -140,6 +141,11 @@ class PrefixModel:
         ])  # fmt: skip
         return decided, signs, nearest
 
+    def usual_s(self, number: int) -> float | None:
+        """Return how long a gesture usually takes, s; ``None``: not known."""
+        length_s = float(self.lengths_s[number])
+        return length_s if length_s > 0 else None
+
     def facts(self) -> dict[str, Any]:
         """Return what is not an array."""
         return {"origin": self.origin, "labels": list(self.labels), "names": self.names}
@@ -151,6 +157,7 @@ class PrefixModel:
             "numbers": self.numbers,
             "typical": self.typical,
             "limits": self.limits,
+            "lengths_s": self.lengths_s,
         }
         return own | self.similar.arrays()
 
@@ -161,6 +168,7 @@ class PrefixModel:
         self.labels, self.names = tuple(facts["labels"]), list(facts["names"])
         self.weights, self.numbers = arrays["weights"], arrays["numbers"]
         self.typical, self.limits = arrays["typical"], arrays["limits"]
+        self.lengths_s = arrays.get("lengths_s", np.full(len(self.labels), np.nan))  # not in files of before
         self.similar.restore(arrays)
         return self
 

@@ -16,6 +16,9 @@ _WAITS_S = 2.0
 _TIMES = 2
 """... and if it was seen so many times running."""
 
+_USUAL = 0.75
+"""The usual length weighs so much in the guess of a gesture's own."""
+
 
 @dataclass(frozen=True, slots=True)
 class Look:
@@ -34,12 +37,31 @@ class Look:
     """The nearest enrolled example is farther than it has ever been when the label was right."""
     account: str
     """Why, for people to read."""
+    usual_s: float | None = None
+    """How long whoever taught the gesture takes for it, in the middle; ``None``: not known."""
 
     @property
     def end_ns(self) -> int:
         """When the gesture ends, or is expected to."""
-        share = min(max(self.progress, 0.3), 1.0)
-        return self.onset_ns + round((self.now_ns - self.onset_ns) / share)
+        return self.onset_ns + round((self.now_ns - self.onset_ns) / self._share)
+
+    @property
+    def span_ns(self) -> tuple[int, int]:
+        """The best guess of when the gesture begins and ends.
+
+        Where a movement begins slowly its beginning is seen late, and then too much of it seems to have
+        passed in too short a time. How long the gesture usually takes is the better part of its length;
+        how much has passed says where that lies; and the beginning is halfway to where it was seen.
+        """
+        if self.usual_s is None or self.now_ns <= self.onset_ns:
+            return self.onset_ns, self.end_ns
+        length_ns = (self.end_ns - self.onset_ns) ** (1 - _USUAL) * (self.usual_s * 1e9) ** _USUAL
+        end_ns = self.now_ns + round((1 - self._share) * length_ns)
+        return (self.onset_ns + end_ns - round(length_ns)) // 2, end_ns
+
+    @property
+    def _share(self) -> float:
+        return min(max(self.progress, 0.3), 1.0)
 
 
 @dataclass(frozen=True, slots=True)
