@@ -252,17 +252,17 @@ class Lesson:
     def _be_sure(self, rehearsals: Sequence[Rehearsal]) -> tuple[Sureness, list[np.ndarray]]:
         """Learn how sure to be; and for choosing thresholds, how sure people left out of that make it."""
 
-        def fitted(kept: Sequence[Rehearsal], networks: int) -> Sureness:
+        def fitted(kept: Sequence[Rehearsal]) -> Sureness:
             signs = np.concatenate([one.signs[~one.doubtful] for one in kept])
             right = np.concatenate([one.right[~one.doubtful] for one in kept])
-            return Sureness().fit(signs, right, self.seed, networks)
+            return Sureness().fit(signs, right, self.seed)
 
         folds = sorted({one.fold for one in rehearsals})
         probabilities: list[np.ndarray] = [np.empty(0)] * len(rehearsals)
-        whole = fitted(rehearsals, 3)
+        whole = fitted(rehearsals)
         for fold in folds:
             kept = [one for one in rehearsals if one.fold != fold]
-            sure = fitted(kept, 2) if kept else whole
+            sure = fitted(kept) if kept else whole
             for i, one in enumerate(rehearsals):
                 if one.fold == fold:
                     probabilities[i] = sure.probability(one.signs)

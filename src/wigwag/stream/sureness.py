@@ -10,12 +10,14 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.special import expit
 
+_NETWORKS = 8
+"""Few people show few looks that are hard: one network more or less would decide what is spoken of them."""
 _HIDDEN = 16
 _MOST_WRONG = 20_000
 
 
 class Sureness:
-    """Few small networks whose log odds are averaged.
+    """Some small networks whose log odds are averaged.
 
     Signs are standardised; each network has one hidden layer. They learn from looks at people who took no
     part in teaching what is looked with, so that their probabilities are those of people not seen before.
@@ -26,7 +28,6 @@ class Sureness:
         signs: Float[np.ndarray, "looks signs"],
         right: Bool[np.ndarray, " looks"],
         seed: int = 0,
-        networks: int = 3,
     ) -> Self:
         """Learn.
 
@@ -34,14 +35,13 @@ class Sureness:
             signs: Of looks, see :data:`~wigwag.stream.prefix.SIGNS`.
             right: Whether to act on each would have been right.
             seed: Of the networks' first weights.
-            networks: How many.
         """
         self.center = signs.mean(axis=0)
         self.spread = np.maximum(signs.std(axis=0), 1e-3)
-        self.first = np.zeros((networks, signs.shape[1], _HIDDEN))
-        self.first_offset = np.zeros((networks, _HIDDEN))
-        self.second = np.zeros((networks, _HIDDEN))
-        self.second_offset = np.full(networks, -6.0)
+        self.first = np.zeros((_NETWORKS, signs.shape[1], _HIDDEN))
+        self.first_offset = np.zeros((_NETWORKS, _HIDDEN))
+        self.second = np.zeros((_NETWORKS, _HIDDEN))
+        self.second_offset = np.full(_NETWORKS, -6.0)
         if not right.any() or right.all():
             return self
         from sklearn.neural_network import MLPClassifier  # 30 MB that only teaching needs
@@ -51,10 +51,10 @@ class Sureness:
         some = rng.permutation(wrong)[:_MOST_WRONG]
         rows = np.concatenate([np.flatnonzero(right), some])
         scaled = (signs[rows] - self.center) / self.spread
-        for n in range(networks):
+        for n in range(_NETWORKS):
             network = MLPClassifier(
-                (_HIDDEN,), activation="tanh", alpha=1e-2, max_iter=25, random_state=seed + n, tol=1e-5,
-                learning_rate_init=3e-3, n_iter_no_change=40,
+                (_HIDDEN,), activation="tanh", alpha=1e-2, max_iter=25, tol=1e-5,
+                random_state=_NETWORKS * seed + n, learning_rate_init=3e-3, n_iter_no_change=40,
             )  # fmt: skip
             with warnings.catch_warnings():
                 # So many rounds are enough, settled or not: what is left out has judged it.
