@@ -29,6 +29,10 @@ GESTURES: dict[str, str] = {
 }  # fmt: skip
 """Label to readable name, in the data set's own numbering."""
 
+SIDED: tuple[str, ...] = ("g3",)
+"""Gestures that a mirror makes another one of, by their names: "push right". Who throws or kicks may do so
+with either side."""
+
 RATE_HZ = 30.0
 """Frames a second at the median; time stamps are irregular by some milliseconds and have holes of seconds."""
 
@@ -195,4 +199,4 @@ def _tags(content: bytes) -> tuple[list[tuple[str, int]], int]:
     return tags, strange
 
 
-__all__ = ["GESTURES", "HINT", "RATE_HZ", "load_recordings"]
+__all__ = ["GESTURES", "HINT", "RATE_HZ", "SIDED", "load_recordings"]

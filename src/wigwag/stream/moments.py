@@ -18,13 +18,16 @@ from wigwag.stream.posture import Postures
 from wigwag.stream.ticks import RATE_HZ, Ticks
 from wigwag.stream.track import LAGS, REACH, Track
 
-NEAR_S = (-0.10, 0.30)
-"""A row is taught as a gesture from so long before its action point until so long after it."""
+BINS_S = (-1.2, -0.7, -0.4, -0.2, -0.067, 0.067, 0.2, 0.35, 0.7)
+"""A row between the first and the last of these seconds after an action point (below 0: before it) is taught
+as that gesture and as the stretch that it lies in; any other as no gesture."""
+
+BINS = len(BINS_S) - 1
 
 
 @dataclass(frozen=True, slots=True)
 class MomentConfig:
-    """When a gesture is spoken.
+    """When a gesture is spoken, and which of them have no side.
 
     Raises:
         InputError: If a setting is out of range.
@@ -32,22 +35,30 @@ class MomentConfig:
 
     commands: tuple[str, ...] | None = None
     """Labels that may be spoken; others are known by name and kept silent. ``None``: all may be spoken."""
+    either_side: tuple[str, ...] = ()
+    """Labels that mean the same shown in a mirror, with the other hand or foot: they are taught both ways."""
     threshold: float = 0.55
-    """Of an action point, so much must be expected to lie in the last ``window_s``: that is the sum of the
-    probabilities of its rows, over how many rows each action point was taught by."""
-    window_s: float = 0.57
-    again_s: float = 0.9
-    """After a gesture none is spoken for this long, and it itself not before less than half of what it was
-    spoken for is expected."""
+    """A decision must be right with this probability: the action point within ``within_s``, the name too."""
+    within_s: float = 0.333
+    """So far from its action point, before or after, a decision counts as right."""
+    ahead_s: float = 0.1
+    """Nothing is spoken as long as a decision so much later would sooner be right."""
+    again_s: float = 0.4
+    """After a gesture none is spoken for this long, and it itself not before it has seemed to be over."""
 
     def __post_init__(self) -> None:
         """Check the settings."""
         if not 0 < self.threshold <= 1:
             raise InputError(f"MomentConfig.threshold must be within 0 and 1, but got {self.threshold}.")
-        if not 1 / RATE_HZ <= self.window_s <= REACH / RATE_HZ or not self.again_s >= 0:
+        if not 1 / RATE_HZ <= self.within_s <= BINS_S[-1]:
             raise InputError(
-                f"MomentConfig.window_s must be within {1 / RATE_HZ:.3f} and {REACH / RATE_HZ:.2f} and "
-                f"again_s 0 or more, but got {self.window_s} and {self.again_s}."
+                f"MomentConfig.within_s must be within {1 / RATE_HZ:.3f} and {BINS_S[-1]}, "
+                f"but got {self.within_s}."
+            )
+        if not 0 < self.ahead_s <= self.within_s or not self.again_s >= 0:
+            raise InputError(
+                f"MomentConfig.ahead_s must be above 0 and at most within_s, {self.within_s}, and again_s "
+                f"0 or more, but got {self.ahead_s} and {self.again_s}."
             )
 
 
@@ -57,17 +68,20 @@ class MomentModel:
 
     labels: tuple[str, ...]
     networks: tuple[Network, ...]
-    """Their classes are the labels, then 'none'; their probabilities are averaged."""
+    """Their classes are the stretches of ``BINS_S`` of the first label, of the next, and so on, then 'none';
+    their probabilities are averaged."""
     config: MomentConfig
 
     def stream(self) -> MomentStream:
         """Begin a stream."""
         return MomentStream(self)
 
-    def probabilities(self, numbers: Float[np.ndarray, "rows features"]) -> Float[np.ndarray, "rows labels"]:
-        """Return how likely each row lies at an action point of each label."""
+    def probabilities(
+        self, numbers: Float[np.ndarray, "rows features"]
+    ) -> Float[np.ndarray, "rows labels stretches"]:
+        """Return how likely each row lies in each stretch of ``BINS_S`` about a point of each label."""
         every = [network.probabilities(numbers)[:, :-1] for network in self.networks]
-        return np.asarray(np.mean(every, axis=0))
+        return np.asarray(np.mean(every, axis=0)).reshape(len(numbers), len(self.labels), BINS)
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write everything to one file of arrays and JSON."""
@@ -77,7 +91,9 @@ class MomentModel:
             "networks": len(self.networks),
             "commands": config.commands,
             "threshold": config.threshold,
-            "window_s": config.window_s,
+            "either_side": config.either_side,
+            "within_s": config.within_s,
+            "ahead_s": config.ahead_s,
             "again_s": config.again_s,
         }
         arrays: dict[str, np.ndarray] = {}
@@ -97,8 +113,10 @@ class MomentModel:
             commands = facts["commands"]
             config = MomentConfig(
                 None if commands is None else tuple(commands),
+                tuple(facts["either_side"]),
                 float(facts["threshold"]),
-                float(facts["window_s"]),
+                float(facts["within_s"]),
+                float(facts["ahead_s"]),
                 float(facts["again_s"]),
             )
             networks = [Network.restored(arrays, f"network{i}") for i in range(int(facts["networks"]))]
@@ -108,9 +126,11 @@ class MomentModel:
 class MomentStream:
     """Says each gesture at its action point.
 
-    Every row of the stream is asked how likely it lies at an action point. What is spoken is the label of
-    which at least half a one is expected in the last half second: where the moment is unsure, that is its
-    median.
+    Every row of the stream is asked how long ago which action point was, or how long it still takes. A
+    decision is right if its action point lies within ``within_s``. The label of which that is likeliest is
+    spoken once it is likely enough and waiting no longer makes it likelier: once the points that ``ahead_s``
+    more would lose outweigh those that it would gain. So one rule serves gestures whose moment is sharp and
+    those of which each person means another moment.
 
     Args:
         model: What was taught.
@@ -125,7 +145,10 @@ class MomentStream:
         may = [self.config.commands is None or label in self.config.commands for label in model.labels]
         self._may = np.array(may)
         self._ticks, self._postures = Ticks(), Postures()
-        self._last = np.zeros((round(self.config.window_s * RATE_HZ), len(model.labels)))
+        within, ahead = self.config.within_s, self.config.ahead_s
+        spans = [(-within, within), (-within - ahead, -within), (within - ahead, within)]
+        self._spans = np.array([shares(low, high) for low, high in spans], dtype=np.float32).T
+        self._asked = np.zeros((len(model.labels), BINS))
         self._joints = np.zeros((REACH, 13, 3), dtype=np.float32)
         self._begin()
 
@@ -133,7 +156,6 @@ class MomentStream:
         self._postures.reset()
         self._restarts = self._ticks.restarts
         self._rows = 0
-        self._last[:] = 0
         self._silent_ns = -(1 << 62)
         self._spoken: int | None = None
 
@@ -161,14 +183,13 @@ class MomentStream:
         self._rows = min(self._rows + 1, REACH)
         first = np.full(REACH, REACH - self._rows)
         track = Track(self._joints, np.broadcast_to(hips.astype(np.float32), (REACH, 3)), first, first)
-        self._last[:-1] = self._last[1:]
-        self._last[-1] = self.model.probabilities(track.looks(np.array([REACH - 1])))[0]
+        self._asked = self.model.probabilities(track.looks(np.array([REACH - 1])))[0]
+        right, gained, lost = (self._asked @ self._spans).T
         now_ns = self._ticks.stamp_ns(row)
-        expected = self._last.sum(axis=0) / rows_near()
-        label = int(expected.argmax())
-        if self._spoken is not None and expected[self._spoken] < self.config.threshold / 2:
+        label = int(right.argmax())
+        if self._spoken is not None and right[self._spoken] < self.config.threshold / 2:
             self._spoken = None
-        if expected[label] < self.config.threshold or now_ns < self._silent_ns:
+        if right[label] < self.config.threshold or lost[label] < gained[label] or now_ns < self._silent_ns:
             return None
         if label == self._spoken or not self._may[label]:
             return None
@@ -176,17 +197,24 @@ class MomentStream:
         self._silent_ns = now_ns + round(self.config.again_s * 1e9)
         return Gesture(
             self.model.labels[label],
-            min(float(expected[label]), 1.0),
+            min(float(right[label]), 1.0),
             max(now_ns - round(LAGS[-1] / RATE_HZ * 1e9), self._ticks.began_ns),
             now_ns,
             now_ns,
-            f"{expected[label]:.2f} of an action point expected in the last {self.config.window_s:.2f} s",
+            f"its action point lies within {self.config.within_s:.2f} s with probability {right[label]:.2f}",
         )
 
 
-def rows_near() -> int:
-    """Return how many rows each action point is taught by."""
-    return round((NEAR_S[1] - NEAR_S[0]) * RATE_HZ)
+def shares(low_s: float, high_s: float) -> Float[np.ndarray, " stretches"]:
+    """Return which share of each stretch of ``BINS_S`` lies between two moments.
+
+    Example:
+        >>> shares(-0.4, 0.275).round(2).tolist()
+        [0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 0.5, 0.0]
+    """
+    first, last = np.array(BINS_S[:-1]), np.array(BINS_S[1:])
+    inside = np.minimum(last, high_s) - np.maximum(first, low_s)
+    return np.asarray(np.maximum(inside, 0.0) / (last - first))
 
 
-__all__ = ["NEAR_S", "MomentConfig", "MomentModel", "MomentStream", "rows_near"]
+__all__ = ["BINS", "BINS_S", "MomentConfig", "MomentModel", "MomentStream", "shares"]

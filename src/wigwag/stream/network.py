@@ -24,13 +24,14 @@ class Network:
         features: How many numbers.
         classes: How many classes.
         rng: Of the first weights.
+        hidden: How many numbers the hidden layer has.
     """
 
-    def __init__(self, features: int, classes: int, rng: np.random.Generator) -> None:
+    def __init__(self, features: int, classes: int, rng: np.random.Generator, hidden: int = HIDDEN) -> None:
         self.center = np.zeros(features, dtype=np.float32)
         self.spread = np.ones(features, dtype=np.float32)
         self.layers: list[Float[np.ndarray, "..."]] = []
-        for inside, outside in ((features, HIDDEN), (HIDDEN, classes)):
+        for inside, outside in ((features, hidden), (hidden, classes)):
             bound = np.sqrt(6.0 / (inside + outside))
             self.layers.append(rng.uniform(-bound, bound, (inside, outside)).astype(np.float32))
             self.layers.append(np.zeros(outside, dtype=np.float32))

@@ -9,23 +9,23 @@ import numpy as np
 from jaxtyping import Bool, Int
 
 from wigwag.errors import InputError
-from wigwag.stream.moments import NEAR_S, MomentConfig, MomentModel
+from wigwag.stream.moments import BINS, BINS_S, MomentConfig, MomentModel
 from wigwag.stream.network import RATE, Network, Teacher
 from wigwag.stream.track import FEATURES, Change, Track
 from wigwag.stream.truth import LabelledStream
 
 _NETWORKS = 3
-_ROUNDS = 9
+_HIDDEN = 256
+_ROUNDS = 48
 _LEAST_ROWS = 40_000
 """Where little is shown, there are as many rounds as make so many rows."""
 _SLOW = 0.7
 """After this share of all rounds steps are a fifth as large."""
-_DOUBTFUL_S = 0.1
-"""So near before and after what is taught as a gesture, nothing is taught."""
-_AROUND_S = 1.2
-_POINTS, _AROUND, _ELSEWHERE = 0.5, 0.65, 0.4
-"""Rows of a round: this share of those at action points, and as many around them and elsewhere, over how many
-there are at action points. Rows that follow each other are nearly the same."""
+_NEAR, _ELSEWHERE = 0.3, 0.12
+"""Rows of a round: this share of those near action points, and so many others over how many there are near
+action points. Rows that follow each other are nearly the same."""
+_MIRRORED = 0.25
+"""This share of the rows of gestures that have no side, and of no gesture, is shown in a mirror."""
 _CHUNK = 4096
 
 
@@ -35,9 +35,9 @@ class _Rows:
 
     track: Track
     classes: Int[np.ndarray, " rows"]
-    """The last class: no action point."""
-    doubtful: Bool[np.ndarray, " rows"]
-    around: Bool[np.ndarray, " rows"]
+    """Label and stretch of ``BINS_S``; the last class: no action point is near."""
+    sided: Bool[np.ndarray, " classes"]
+    """Which classes may not be shown in a mirror."""
 
 
 def teach_moments(
@@ -47,8 +47,9 @@ def teach_moments(
 
     For what is marked by action points alone (Nowozin and Shotton, Microsoft Research TR 2012-68), as
     MSRC-12 is: when a movement began is not known. A network sees the last two seconds of a body and
-    learns whether now is an action point. In each round every row is shown as if by somebody else: with
-    other limbs, another posture, another tempo, turned another way.
+    learns how long ago which action point was, or how long it still takes. In each round every row is shown
+    as if by somebody else: with other limbs, another posture, another tempo, turned another way, and with
+    the other hand where the gesture has no side (``MomentConfig.either_side``).
 
     Args:
         streams: With their showings, whose ends are the moments; streams without any are everyday movement.
@@ -56,7 +57,7 @@ def teach_moments(
         random_state: Seed.
 
     Raises:
-        InputError: If nothing is shown, or a command is never shown.
+        InputError: If nothing is shown, or a command, or a label of ``either_side``, is never shown.
 
     Example:
         >>> import numpy as np
@@ -79,65 +80,60 @@ def teach_moments(
     labels = tuple(sorted({showing.label for one in streams for showing in one.showings}))
     if not labels:
         raise InputError("teach_moments needs at least one stream with a showing.")
-    if config.commands is not None and (absent := set(config.commands) - set(labels)):
-        raise InputError(
-            f"MomentConfig.commands holds {sorted(absent)}, which nobody shows; shown are {list(labels)}."
-        )
-    rows = _rows(streams, labels)
+    for name, named in (("commands", config.commands), ("either_side", config.either_side)):
+        if absent := set(named or ()) - set(labels):
+            raise InputError(
+                f"MomentConfig.{name} holds {sorted(absent)}, which nobody shows; shown are {list(labels)}."
+            )
+    rows = _rows(streams, labels, config.either_side)
     networks = tuple(
-        _taught(rows, len(labels) + 1, np.random.default_rng([0x90147, random_state, number]))
-        for number in range(_NETWORKS)
+        _taught(rows, np.random.default_rng([0x90147, random_state, number])) for number in range(_NETWORKS)
     )
     return MomentModel(labels, networks, config)
 
 
-def _rows(streams: Sequence[LabelledStream], labels: tuple[str, ...]) -> _Rows:
+def _rows(streams: Sequence[LabelledStream], labels: tuple[str, ...], either_side: tuple[str, ...]) -> _Rows:
     """Follow all streams and say what each row is."""
     tracks = [Track.of(one.stream) for one in streams]
-    classes, doubtful, around = [], [], []
+    none = len(labels) * BINS
+    classes = []
     for one, track in zip(streams, tracks, strict=True):
-        mine = np.full(len(track.joints), len(labels))
-        if not one.showings:
-            away = np.full(len(mine), np.inf)
-        else:
+        mine = np.full(len(track.joints), none)
+        if one.showings:
             ends = np.array([showing.end_ns for showing in one.showings])
-            every = (track.stamps_ns[:, None] - ends) * 1e-9
-            nearest = np.abs(every - sum(NEAR_S) / 2).argmin(axis=1)
-            away = every[np.arange(len(mine)), nearest]
+            every_s = (track.stamps_ns[:, None] - ends) * 1e-9
+            nearest = np.abs(every_s).argmin(axis=1)
+            away_s = every_s[np.arange(len(mine)), nearest]
             numbers = np.array([labels.index(showing.label) for showing in one.showings])
-            at = (away >= NEAR_S[0]) & (away <= NEAR_S[1])
-            mine[at] = numbers[nearest[at]]
+            stretch = np.searchsorted(BINS_S, away_s, side="right") - 1
+            near = (stretch >= 0) & (stretch < BINS)
+            mine[near] = (numbers[nearest] * BINS + stretch)[near]
         classes.append(mine)
-        near = (away > NEAR_S[0] - _DOUBTFUL_S) & (away < NEAR_S[1] + _DOUBTFUL_S)
-        doubtful.append(near & (mine == len(labels)))
-        around.append(np.abs(away) < _AROUND_S)
-    return _Rows(
-        Track.joined(tracks), np.concatenate(classes), np.concatenate(doubtful), np.concatenate(around)
-    )
+    sided = np.repeat([label not in either_side for label in labels], BINS)
+    # What is no gesture has no side, unless every gesture has one: then nothing is gained by it.
+    return _Rows(Track.joined(tracks), np.concatenate(classes), np.append(sided, not either_side))
 
 
-def _taught(rows: _Rows, classes: int, rng: np.random.Generator) -> Network:
+def _taught(rows: _Rows, rng: np.random.Generator) -> Network:
     """Teach one network."""
-    points = np.flatnonzero(rows.classes < classes - 1)
-    none = (rows.classes == classes - 1) & ~rows.doubtful
-    around, elsewhere = np.flatnonzero(none & rows.around), np.flatnonzero(none & ~rows.around)
-    network = Network(FEATURES, classes, rng)
-    usual = rng.permutation(np.concatenate([points, around]))[: 4 * _CHUNK]
-    network.standardise(rows.track.looks(usual))
+    none = len(rows.sided) - 1
+    near, elsewhere = np.flatnonzero(rows.classes < none), np.flatnonzero(rows.classes == none)
+    network = Network(FEATURES, none + 1, rng, _HIDDEN)
+    network.standardise(rows.track.looks(rng.permutation(near)[: 4 * _CHUNK]))
     teacher = Teacher(network, rng)
-    counts = (round(_POINTS * len(points)), round(_AROUND * len(points)), round(_ELSEWHERE * len(points)))
+    counts = (round(_NEAR * len(near)), min(round(_ELSEWHERE * len(near)), len(elsewhere)))
     rounds = max(_ROUNDS, -(-_LEAST_ROWS // max(sum(counts), 1)))
     for number in range(rounds):
-        some = [rng.permutation(of)[:n] for of, n in zip((points, around, elsewhere), counts, strict=True)]
+        some = [rng.permutation(of)[:n] for of, n in zip((near, elsewhere), counts, strict=True)]
         chosen = rng.permutation(np.concatenate(some))
         rate = RATE if number < _SLOW * rounds else RATE / 5
         for low in range(0, len(chosen), _CHUNK):
             part = chosen[low : low + _CHUNK]
-            seen = rows.track.looks(part, Change.random(len(part), rng))
+            mirrored = (rng.random(len(part)) < _MIRRORED) & ~rows.sided[rows.classes[part]]
+            seen = rows.track.looks(part, Change.random(len(part), rng, mirrored))
             teacher.learn(seen, rows.classes[part], rate)
-    shown = sum(map(len, some)) - len(some[0])
-    if shown and len(some[0]):
-        network.rarer(classes - 1, float(none.sum()) / shown * len(some[0]) / len(points))
+    if all(counts):
+        network.rarer(none, len(elsewhere) / counts[1] * counts[0] / len(near))
     return network
 
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
-from wigwag.skeleton import Clip, Pose
+from wigwag.skeleton import MIRROR, Clip, Pose
 from wigwag.stream.posture import Postures
 from wigwag.stream.ticks import Ticks
 
@@ -19,6 +19,7 @@ STEP_LAGS = np.array([0, 3, 6, 10, 15, 22, 30, 40])
 STEP = 3
 """Rows that a step takes: a tenth of a second."""
 _STEP_GAIN = 3.0
+_OTHER_SIDE = np.array([-1.0, 1.0, 1.0], dtype=np.float32)
 REACH = 95
 """No number comes from more rows ago, however fast a person is made to move."""
 
@@ -102,10 +103,14 @@ class Change:
     """Each landmark so many times as far from the hips."""
     posture: Float[np.ndarray, "n 1 13 3"]
     """Each landmark so far from where it was all the time, torso lengths."""
+    mirrored: Bool[np.ndarray, " n"] | None = None
+    """Who shows it with the other side of the body; ``None``: nobody."""
 
     @classmethod
-    def random(cls, count: int, rng: np.random.Generator) -> Self:
-        """Draw a person for each of some rows."""
+    def random(
+        cls, count: int, rng: np.random.Generator, mirrored: Bool[np.ndarray, " n"] | None = None
+    ) -> Self:
+        """Draw a person for each of some rows; ``mirrored`` are given, since not every gesture may be."""
         angle = rng.normal(0, TURN_RAD, count)
         turn = np.zeros((count, 3, 3), dtype=np.float32)
         turn[:, 0, 0] = turn[:, 2, 2] = np.cos(angle)
@@ -116,6 +121,7 @@ class Change:
             turn,
             np.exp(rng.normal(0, LIMBS, (count, 1, 13, 1))).astype(np.float32),
             rng.normal(0, POSTURE, (count, 1, 13, 3)).astype(np.float32),
+            mirrored,
         )
 
     def apply(
@@ -123,6 +129,10 @@ class Change:
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Change places, steps and the hips' speed."""
         faster = self.faster.astype(np.float32)
+        if self.mirrored is not None and self.mirrored.any():
+            for part in (places, steps):
+                part[self.mirrored] = part[self.mirrored][:, :, list(MIRROR)] * _OTHER_SIDE
+            hips = np.where(self.mirrored[:, None, None], hips * _OTHER_SIDE, hips)
         places = np.matmul(places * self.limbs, self.turn[:, None]) + self.posture
         # Steps were taken over as many more rows already; the hips' speed was not.
         steps = np.matmul(steps * self.limbs, self.turn[:, None])

@@ -8,6 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
+from wigwag.datasets import msrc12
 from wigwag.datasets.recording import Mark
 from wigwag.errors import InputError
 from wigwag.evaluate.stream.lessons import Lesson
@@ -89,7 +90,8 @@ def teach_gesture_stream(lesson: Lesson, *, strange: bool = False) -> Listener:
     """
     if any(mark.point_ns is not None for recording in lesson.streams for mark in recording.marks):
         points = [LabelledStream(r.stream, tuple(_point(mark) for mark in r.marks)) for r in lesson.streams]
-        settings = MomentConfig(commands=lesson.vocabulary)
+        either_side = tuple(label for label in lesson.vocabulary if label not in msrc12.SIDED)
+        settings = MomentConfig(commands=lesson.vocabulary, either_side=either_side)
         return teach_moments(points, settings, random_state=lesson.seed).stream()
     clips = [cut_to_movement(clip) for clip in (*lesson.gestures, *lesson.others)]
     streams = [LabelledStream(r.stream, tuple(_showing(mark) for mark in r.marks)) for r in lesson.streams]
