@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from wigwag.errors import InputError, ModelError
-from wigwag.skeleton import Pose
+from wigwag.skeleton import MIRROR, Pose
 from wigwag.stream import teach_moments as teaching
 from wigwag.stream.listener import listening
-from wigwag.stream.moments import MomentConfig, MomentModel, MomentStream
+from wigwag.stream.moments import BINS, MomentConfig, MomentModel, MomentStream
+from wigwag.stream.network import Teacher
 from wigwag.stream.teach import teach_stream
 from wigwag.stream.teach_moments import teach_moments
-from wigwag.stream.track import REACH, Track
+from wigwag.stream.track import FEATURES, OTHER_SIDE, REACH, Change, Track
 from wigwag.stream.truth import LabelledStream, Showing
 
 from .people import GESTURES, Actor, session
@@ -95,6 +96,37 @@ def test_no_row_reaches_beyond_the_beginning_of_its_stream() -> None:
     np.testing.assert_array_equal(joined.looks(rows), joined.looks(rows + len(one.joints)))
 
 
+def test_the_other_side_is_what_a_mirror_shows() -> None:
+    one = Track.of(session(16, rounds=1).stream().stream)
+    other = replace(one, joints=one.joints[:, list(MIRROR)] * OTHER_SIDE, hips=one.hips * OTHER_SIDE)
+    rows = np.array([20, 60, 90])
+    change = Change.random(3, np.random.default_rng(0), np.array([True, False, True]))
+    seen, plain = one.looks(rows, change), replace(change, mirrored=None)
+    np.testing.assert_allclose(seen[[0, 2]], other.looks(rows, plain)[[0, 2]], atol=1e-6)
+    np.testing.assert_allclose(seen[1], one.looks(rows, plain)[1], atol=1e-6)
+
+
+def test_only_what_has_no_side_is_taught_in_a_mirror(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: set[tuple[int, bool]] = set()
+    mirrored: list[np.ndarray] = []
+
+    class Kept(Teacher):
+        def learn(self, numbers: np.ndarray, classes: np.ndarray, rate: float) -> None:
+            seen.update(zip((classes // BINS).tolist(), mirrored[-1].tolist(), strict=True))
+
+    def looks(track: Track, rows: np.ndarray, change: Change | None = None) -> np.ndarray:
+        if change is not None and change.mirrored is not None:
+            mirrored.append(change.mirrored)
+        return np.zeros((len(rows), FEATURES), dtype=np.float32)
+
+    monkeypatch.setattr(teaching, "Teacher", Kept)
+    monkeypatch.setattr(teaching, "_NETWORKS", 1)
+    monkeypatch.setattr(Track, "looks", looks)
+    teach_moments([pointed(session(0))], MomentConfig(either_side=("both",)))
+    # 'both', 'left', 'right' and none
+    assert seen == {(number, False) for number in range(4)} | {(0, True), (3, True)}
+
+
 def test_what_is_no_command_is_not_said(model: MomentModel) -> None:
     actor = session(11, rounds=2)
     quiet = MomentStream(model, replace(model.config, commands=("left",)))
@@ -119,6 +151,8 @@ def test_teaching_needs_something_to_teach() -> None:
         teach_moments([LabelledStream(one.stream)])
     with pytest.raises(InputError, match=r"holds \['wave'\], which nobody shows; shown are \['both', 'left'"):
         teach_moments([one], MomentConfig(commands=("wave",)))
+    with pytest.raises(InputError, match=r"either_side holds \['wave'\], which nobody shows"):
+        teach_moments([one], MomentConfig(either_side=("wave",)))
     with pytest.raises(InputError, match="teach those with teach_moments"):
         teach_stream((), (), [one])
 

@@ -13,8 +13,7 @@ RATE = 1e-3
 """Adam's."""
 DECAY = 0.1
 _BATCH = 256
-_DROPPED = 0.3
-"""Of what is seen, so much is hidden while learning: no number may be relied on alone."""
+DROPPED = 0.3
 
 
 class Network:
@@ -72,10 +71,11 @@ class Teacher:
     Args:
         network: With ``standardise`` done.
         rng: Of what is dropped.
+        dropped: Of what is seen, so much is hidden while learning: no number may be relied on alone.
     """
 
-    def __init__(self, network: Network, rng: np.random.Generator) -> None:
-        self.network, self.rng = network, rng
+    def __init__(self, network: Network, rng: np.random.Generator, dropped: float = DROPPED) -> None:
+        self.network, self.rng, self.dropped = network, rng, dropped
         self.steps = 0
         self._mean = [np.zeros_like(layer) for layer in network.layers]
         self._square = [np.zeros_like(layer) for layer in network.layers]
@@ -85,8 +85,8 @@ class Teacher:
     ) -> None:
         """Go once through rows in the order given."""
         seen = (numbers - self.network.center) / self.network.spread
-        kept = self.rng.random(seen.shape, dtype=np.float32) >= _DROPPED
-        seen *= kept / np.float32(np.sqrt(1 - _DROPPED))
+        kept = self.rng.random(seen.shape, dtype=np.float32) >= self.dropped
+        seen *= kept / np.float32(np.sqrt(1 - self.dropped))
         for low in range(0, len(seen), _BATCH):
             self._step(self._slope(seen[low : low + _BATCH], classes[low : low + _BATCH]), rate)
 

@@ -26,6 +26,8 @@ _NEAR, _ELSEWHERE = 0.3, 0.12
 action points. Rows that follow each other are nearly the same."""
 _MIRRORED = 0.25
 """This share of the rows of gestures that have no side, and of no gesture, is shown in a mirror."""
+_DROPPED = 0.15
+"""Of the numbers of a row, so much is hidden."""
 _CHUNK = 4096
 
 
@@ -120,7 +122,7 @@ def _taught(rows: _Rows, rng: np.random.Generator) -> Network:
     near, elsewhere = np.flatnonzero(rows.classes < none), np.flatnonzero(rows.classes == none)
     network = Network(FEATURES, none + 1, rng, _HIDDEN)
     network.standardise(rows.track.looks(rng.permutation(near)[: 4 * _CHUNK]))
-    teacher = Teacher(network, rng)
+    teacher = Teacher(network, rng, _DROPPED)
     counts = (round(_NEAR * len(near)), min(round(_ELSEWHERE * len(near)), len(elsewhere)))
     rounds = max(_ROUNDS, -(-_LEAST_ROWS // max(sum(counts), 1)))
     for number in range(rounds):

@@ -19,7 +19,8 @@ STEP_LAGS = np.array([0, 3, 6, 10, 15, 22, 30, 40])
 STEP = 3
 """Rows that a step takes: a tenth of a second."""
 _STEP_GAIN = 3.0
-_OTHER_SIDE = np.array([-1.0, 1.0, 1.0], dtype=np.float32)
+OTHER_SIDE = np.array([-1.0, 1.0, 1.0], dtype=np.float32)
+"""A mirror changes x by so much, beside the names of landmarks."""
 REACH = 95
 """No number comes from more rows ago, however fast a person is made to move."""
 
@@ -131,8 +132,8 @@ class Change:
         faster = self.faster.astype(np.float32)
         if self.mirrored is not None and self.mirrored.any():
             for part in (places, steps):
-                part[self.mirrored] = part[self.mirrored][:, :, list(MIRROR)] * _OTHER_SIDE
-            hips = np.where(self.mirrored[:, None, None], hips * _OTHER_SIDE, hips)
+                part[self.mirrored] = part[self.mirrored][:, :, list(MIRROR)] * OTHER_SIDE
+            hips = np.where(self.mirrored[:, None, None], hips * OTHER_SIDE, hips)
         places = np.matmul(places * self.limbs, self.turn[:, None]) + self.posture
         # Steps were taken over as many more rows already; the hips' speed was not.
         steps = np.matmul(steps * self.limbs, self.turn[:, None])
