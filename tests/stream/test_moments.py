@@ -10,6 +10,7 @@ import pytest
 
 from wigwag.errors import InputError, ModelError
 from wigwag.skeleton import MIRROR, Pose
+from wigwag.stream import rows
 from wigwag.stream import teach_moments as teaching
 from wigwag.stream.listener import listening
 from wigwag.stream.moments import BINS, MomentConfig, MomentModel, MomentStream
@@ -36,7 +37,6 @@ def pointed(actor: Actor) -> LabelledStream:
 def model() -> MomentModel:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(teaching, "_NETWORKS", 2)
-        patch.setattr(teaching, "_LEAST_ROWS", 40_000)
         return teach_moments([pointed(session(number)) for number in range(8)])
 
 
@@ -119,7 +119,7 @@ def test_only_what_has_no_side_is_taught_in_a_mirror(monkeypatch: pytest.MonkeyP
             mirrored.append(change.mirrored)
         return np.zeros((len(rows), FEATURES), dtype=np.float32)
 
-    monkeypatch.setattr(teaching, "Teacher", Kept)
+    monkeypatch.setattr(rows, "Teacher", Kept)
     monkeypatch.setattr(teaching, "_NETWORKS", 1)
     monkeypatch.setattr(Track, "looks", looks)
     teach_moments([pointed(session(0))], MomentConfig(either_side=("both",)))

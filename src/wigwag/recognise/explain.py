@@ -49,6 +49,7 @@ class Explanation:
     over_nothing: float | None
     """How far it is ahead of 'no gesture'; ``None``: that was not taught."""
     views: tuple[str, ...]
+    """Those that examples are compared in; then, where that was taught, the last moments by themselves."""
     pushes: Float[np.ndarray, " views"]
     """What each view gives to the lead; they add up to it. Below 0: it speaks for the runner-up."""
     telling: int | None
@@ -113,7 +114,17 @@ class Taught:
         )  # fmt: skip
 
 
-def explain(taught: Taught, clip: Clip, gesture: Gesture, least: float) -> Explanation:
+LAST_MOMENTS = "last moments"
+"""What says which gesture goes on without comparing examples; see :mod:`wigwag.stream.glance`."""
+
+
+def explain(
+    taught: Taught,
+    clip: Clip,
+    gesture: Gesture,
+    least: float,
+    moments: Float[np.ndarray, " gestures"] | None = None,
+) -> Explanation:
     """Return what a decision about a clip came from.
 
     Args:
@@ -121,6 +132,7 @@ def explain(taught: Taught, clip: Clip, gesture: Gesture, least: float) -> Expla
         clip: What was judged.
         gesture: The decision.
         least: How sure it had to be.
+        moments: What the last moments by themselves added to the score of each gesture, if anything.
     """
     similar, views = taught.similar, taught.similar.kinds
     sides = similar.sides(clip)
@@ -129,20 +141,25 @@ def explain(taught: Taught, clip: Clip, gesture: Gesture, least: float) -> Expla
     features = similar.features(distances)
     scores = (features @ taught.weights).astype(np.float64)
     classes = len(taught.labels)
-    order = np.argsort(-scores[:classes], kind="stable")
+    together = scores[:classes] + (0.0 if moments is None else moments)
+    order = np.argsort(-together, kind="stable")
     first, second = int(order[0]), int(order[1]) if classes > 1 else None
     difference = taught.weights[:, first] - (taught.weights[:, second] if second is not None else 0.0)
     shares = (features * difference).reshape(-1, len(views)).astype(np.float64)
-    lead = scores[first] - (scores[second] if second is not None else 0.0)
+    lead = float(together[first] - (together[second] if second is not None else 0.0))
+    pushes = list(shares.sum(axis=0))
+    if moments is not None:
+        pushes.append(lead - sum(pushes))
     nearest = [_example(taught, sides, relative, i) for i in _nearest(taught, relative, first, 2)]
     if second is not None:
         nearest += [_example(taught, sides, relative, i) for i in _nearest(taught, relative, second, 1)]
     background = bool((taught.numbers < 0).any()) or taught.weights.shape[1] > classes + 1
     return Explanation(
         gesture, taught.labels[first], None if second is None else taught.labels[second],
-        gesture.confidence, least, float(lead),
+        gesture.confidence, least, lead,
         float(scores[first] - scores[classes]) if background else None,
-        tuple(views), shares.sum(axis=0), _telling(shares.sum(axis=1), float(lead)), len(taught.numbers),
+        (*views, *(() if moments is None else (LAST_MOMENTS,))), np.array(pushes),
+        _telling(shares.sum(axis=1), lead), len(taught.numbers),
         tuple(nearest), _joints(similar, sides), similar.form.apply(clip).duration_s,
     )  # fmt: skip
 
@@ -176,4 +193,4 @@ def _telling(shares: Float[np.ndarray, " references"], lead: float) -> int | Non
     return int(np.argmax(left < 0)) + 1 if (left < 0).any() else None
 
 
-__all__ = ["Example", "Explanation", "Taught", "explain"]
+__all__ = ["LAST_MOMENTS", "Example", "Explanation", "Taught", "explain"]

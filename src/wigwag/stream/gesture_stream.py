@@ -11,6 +11,7 @@ from wigwag.gesture import Gesture
 from wigwag.recognise import store
 from wigwag.skeleton import Clip, Pose
 from wigwag.stream.config import StreamConfig
+from wigwag.stream.glance import Glance, Glances, Glimpse
 from wigwag.stream.prefix import Memory, PrefixModel
 from wigwag.stream.speaker import Look, Speaker, Thresholds
 from wigwag.stream.sureness import Sureness
@@ -28,14 +29,18 @@ class StreamModel:
     sureness: Sureness
     thresholds: Thresholds
     config: StreamConfig
+    glance: Glance | None = None
+    """The second view; ``None``: none was taught."""
 
     def stream(self) -> GestureStream:
         """Begin a stream."""
         return GestureStream(self)
 
-    def look(self, hypothesis: Hypothesis, clip: Clip, memory: Memory) -> Look:
-        """Say what a stretch is most like, and how sure that is."""
-        decided, signs, nearest = self.prefixes.read(hypothesis, clip, memory)
+    def look(
+        self, hypothesis: Hypothesis, clip: Clip, memory: Memory, glimpse: Glimpse | None = None
+    ) -> Look:
+        """Say what a stretch is most like, and how sure that is; ``glimpse``: what the second view sees."""
+        decided, signs, nearest = self.prefixes.read(hypothesis, clip, memory, glimpse)
         label, nearness = self.prefixes.labels[decided], float(signs[4])
         times = math.exp(-nearness)
         return Look(
@@ -61,7 +66,8 @@ class StreamModel:
             "strange": self.config.strange,
             "postures": self.config.watch.motion.postures,
         }
-        store.write(path, "StreamModel", facts, self.prefixes.arrays() | self.sureness.arrays())
+        arrays = self.prefixes.arrays() | self.sureness.arrays()
+        store.write(path, "StreamModel", facts, arrays | (self.glance.arrays() if self.glance else {}))
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> StreamModel:
@@ -87,6 +93,7 @@ class StreamModel:
                 Sureness.restored(arrays),
                 Thresholds(*map(float, facts["thresholds"])),
                 config,
+                Glance.restored(arrays),
             )
 
 
@@ -104,6 +111,7 @@ class GestureStream:
         self.model = model
         self.config = config or model.config
         self._watcher = Watcher(self.config.watch)
+        self._glances = None if model.glance is None else Glances(model.glance)
         self._begin()
 
     def _begin(self) -> None:
@@ -114,6 +122,8 @@ class GestureStream:
     def reset(self) -> None:
         """Forget the stream, as when another person takes over."""
         self._watcher.reset()
+        if self._glances is not None:
+            self._glances.reset()
         self._begin()
 
     def update(self, pose: Pose | None) -> Gesture | None:
@@ -126,9 +136,10 @@ class GestureStream:
         if pose is None:
             return None
         hypothesis = self._watcher.update(pose)
+        glimpse = None if self._glances is None else self._glances.update(self._watcher.ticks)
         if hypothesis is None:
             return self._refuse(pose.stamp_ns)
-        look = self.model.look(hypothesis, self._watcher.clip(hypothesis), self._memory)
+        look = self.model.look(hypothesis, self._watcher.clip(hypothesis), self._memory, glimpse)
         said = self._speaker.hear(look)
         if said is not None:
             self._watcher.block(self._speaker.blocked_ns)

@@ -19,6 +19,7 @@ from wigwag.stream.gesture_stream import StreamModel
 from wigwag.stream.prefix import NOTHING, Memory, PrefixModel, Shares
 from wigwag.stream.rehearse import Rehearsal, choose, limits_of
 from wigwag.stream.sureness import Sureness
+from wigwag.stream.teach_glance import GlanceLesson
 from wigwag.stream.ticks import RATE_HZ
 from wigwag.stream.truth import LabelledStream, Meaning, Showing, meaning
 from wigwag.stream.untaught import TAUGHT, Untaught
@@ -86,6 +87,7 @@ class Lesson:
             looked[number] = self._look(number, 1.0 if whole else _THINNED)
             judged += [number] if whole else []
         self._teach(looked, owners)
+        self._glance()
         rehearsals = self._rehearse({number: looked[number] for number in judged}, owners)
         typical = self._typical(rehearsals)
         for one in rehearsals:
@@ -95,7 +97,7 @@ class Lesson:
         thresholds = choose(rehearsals, probabilities, self.model.labels, config)
         self.model.lengths_s = self._lengths_s()
         self.model.limits = limits_of(rehearsals, len(self.model.labels))
-        return StreamModel(self.model, sureness, thresholds, config)
+        return StreamModel(self.model, sureness, thresholds, config, self.glance)
 
     def _folds(self) -> Int[np.ndarray, " streams"]:
         """Part streams by people into those that are left out together."""
@@ -170,6 +172,15 @@ class Lesson:
                 out = None if group == TAUGHT else group
                 self.without[fold, group] = shares.solve(fold, out, np.repeat(kept, views))
 
+    def _glance(self) -> None:
+        """Teach the second view: from all, and with each fold left out."""
+        still = self.model.origin == "drift"
+        taught = GlanceLesson(self.streams, self.model.labels, self.fold, still=still, seed=self.seed)
+        self.glimpses = taught.glimpses
+        self.glances = {int(fold): taught.without(int(fold)) for fold in np.unique(self.fold)}
+        alone = any(glance is None for glance in self.glances.values())
+        self.glance = None if alone else taught.without(None)
+
     def _allowed(
         self, fold: int, group: int, owners: Int[np.ndarray, " references"]
     ) -> Bool[np.ndarray, " references"]:
@@ -195,6 +206,10 @@ class Lesson:
                 continue
             memories: dict[int, Memory] = {}
             allowed = {g: self._allowed(fold, g, owners) for g in range(TAUGHT, self.untaught.count)}
+            glance, glimpses = self.glances[fold], None
+            if self.glance is not None and glance is not None:
+                stamps_ns = np.array([one.hypothesis.now_ns for one in looks])
+                glimpses = self.glimpses(glance, stream, stamps_ns)
             decided, signs = np.empty(len(looks), dtype=np.int64), []
             for i, one in enumerate(looks):
                 group = one.group if (fold, one.group) in self.without else TAUGHT
@@ -202,7 +217,10 @@ class Lesson:
                 weights = self.without[fold, group]
                 scores = (self.model.similar.features(distances) @ weights).astype(np.float64)
                 memory = memories.setdefault(group, Memory.empty())
-                found = self.model.evidence(one.hypothesis, distances, scores, memory, allowed[group])
+                glimpse = None if glimpses is None else glimpses[i]
+                found = self.model.evidence(
+                    one.hypothesis, distances, scores, memory, allowed=allowed[group], glimpse=glimpse
+                )
                 decided[i] = found[0]
                 signs.append(found[1])
             right = np.array([self._number(stream, one) == d for one, d in zip(looks, decided, strict=True)])

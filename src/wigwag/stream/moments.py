@@ -14,9 +14,8 @@ from wigwag.gesture import Gesture
 from wigwag.recognise import store
 from wigwag.skeleton import Pose
 from wigwag.stream.network import Network
-from wigwag.stream.posture import Postures
 from wigwag.stream.ticks import RATE_HZ, Ticks
-from wigwag.stream.track import LAGS, REACH, Track
+from wigwag.stream.track import LAGS, Tail
 
 BINS_S = (-1.2, -0.7, -0.4, -0.2, -0.067, 0.067, 0.2, 0.35, 0.7)
 """A row between the first and the last of these seconds after an action point (below 0: before it) is taught
@@ -144,18 +143,16 @@ class MomentStream:
         self.config = config or model.config
         may = [self.config.commands is None or label in self.config.commands for label in model.labels]
         self._may = np.array(may)
-        self._ticks, self._postures = Ticks(), Postures()
+        self._ticks, self._tail = Ticks(), Tail()
         within, ahead = self.config.within_s, self.config.ahead_s
         spans = [(-within, within), (-within - ahead, -within), (within - ahead, within)]
         self._spans = np.array([shares(low, high) for low, high in spans], dtype=np.float32).T
         self._asked = np.zeros((len(model.labels), BINS))
-        self._joints = np.zeros((REACH, 13, 3), dtype=np.float32)
         self._begin()
 
     def _begin(self) -> None:
-        self._postures.reset()
+        self._tail.reset()
         self._restarts = self._ticks.restarts
-        self._rows = 0
         self._silent_ns = -(1 << 62)
         self._spoken: int | None = None
 
@@ -177,13 +174,8 @@ class MomentStream:
         return said
 
     def _hear(self, row: int) -> Gesture | None:
-        placed, hips = self._postures.update(self._ticks.window(row, row)[0])
-        self._joints[:-1] = self._joints[1:]
-        self._joints[-1] = placed
-        self._rows = min(self._rows + 1, REACH)
-        first = np.full(REACH, REACH - self._rows)
-        track = Track(self._joints, np.broadcast_to(hips.astype(np.float32), (REACH, 3)), first, first)
-        self._asked = self.model.probabilities(track.looks(np.array([REACH - 1])))[0]
+        self._tail.update(self._ticks.window(row, row)[0])
+        self._asked = self.model.probabilities(self._tail.look())[0]
         right, gained, lost = (self._asked @ self._spans).T
         now_ns = self._ticks.stamp_ns(row)
         label = int(right.argmax())

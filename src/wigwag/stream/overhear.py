@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from wigwag.errors import InputError
 from wigwag.gesture import Gesture
@@ -11,6 +11,7 @@ from wigwag.recognise.explain import Explanation, Taught, explain
 from wigwag.recognise.kernel import KernelRecognizer
 from wigwag.skeleton import Clip, Pose
 from wigwag.stream.gesture_stream import StreamModel
+from wigwag.stream.glance import Glimpse, scores_of
 from wigwag.stream.listener import listening
 from wigwag.stream.prefix import Memory
 from wigwag.stream.speaker import Look
@@ -29,6 +30,8 @@ class Heard:
     clip: Clip
     least: float
     """How sure it had to be."""
+    glimpse: Glimpse | None = None
+    """What the second view saw, if there is one."""
 
 
 class Overhearing:
@@ -43,10 +46,15 @@ class Overhearing:
         self.taught = taught
         self.heard: Heard | None = None
         """What was said last; ``None``: nothing, or what it was about is not known."""
-        self._judged: deque[tuple[Gesture, Clip, float]] = deque(maxlen=_KEPT)
+        self._judged: deque[Heard] = deque(maxlen=_KEPT)
         if isinstance(taught, StreamModel):
             tapped: StreamModel | Recogniser = _TappedModel(
-                taught.prefixes, taught.sureness, taught.thresholds, taught.config, self._judged
+                taught.prefixes,
+                taught.sureness,
+                taught.thresholds,
+                taught.config,
+                taught.glance,
+                self._judged,
             )
         else:
             tapped = _TappedRecogniser(taught, self._judged)
@@ -72,12 +80,15 @@ class Overhearing:
         """
         if self.heard is None or not isinstance(self.taught, KernelRecognizer | StreamModel):
             return None
-        return explain(parts_of(self.taught), self.heard.clip, self.heard.gesture, self.heard.least)
+        heard = self.heard
+        moments = None if heard.glimpse is None else scores_of(heard.glimpse)
+        return explain(parts_of(self.taught), heard.clip, heard.gesture, heard.least, moments)
 
     def _about(self, gesture: Gesture) -> Heard | None:
-        for judged, clip, least in reversed(self._judged):
-            if judged.confidence == gesture.confidence and judged.reason in gesture.reason:
-                return Heard(gesture, clip, least)
+        for judged in reversed(self._judged):
+            said = judged.gesture
+            if said.confidence == gesture.confidence and said.reason in gesture.reason:
+                return replace(judged, gesture=gesture)
         return None
 
 
@@ -101,7 +112,7 @@ def parts_of(taught: StreamModel | Recogniser) -> Taught:
 class _TappedRecogniser:
     """A recogniser whose judgements are kept."""
 
-    def __init__(self, taught: Recogniser, judged: deque[tuple[Gesture, Clip, float]]) -> None:
+    def __init__(self, taught: Recogniser, judged: deque[Heard]) -> None:
         self._taught, self._judged = taught, judged
 
     def recognise(self, clip: Clip) -> Gesture:
@@ -109,7 +120,7 @@ class _TappedRecogniser:
         least = 0.0
         if isinstance(self._taught, KernelRecognizer):
             least = self._taught.accept_probability
-        self._judged.append((gesture, clip, least))
+        self._judged.append(Heard(gesture, clip, least))
         return gesture
 
 
@@ -121,11 +132,13 @@ class _TappedModel(StreamModel):
         super().__init__(*model)  # type: ignore[arg-type]
         object.__setattr__(self, "_judged", judged)
 
-    def look(self, hypothesis: Hypothesis, clip: Clip, memory: Memory) -> Look:
-        look = super().look(hypothesis, clip, memory)
+    def look(
+        self, hypothesis: Hypothesis, clip: Clip, memory: Memory, glimpse: Glimpse | None = None
+    ) -> Look:
+        look = super().look(hypothesis, clip, memory, glimpse)
         least = self.thresholds.at_rest if look.resting else self.thresholds.going_on
         gesture = Gesture(look.label, look.probability, reason=look.account)
-        self._judged.append((gesture, clip, least))  # type: ignore[attr-defined]
+        self._judged.append(Heard(gesture, clip, least, glimpse))  # type: ignore[attr-defined]
         return look
 
 

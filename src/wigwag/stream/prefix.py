@@ -14,6 +14,7 @@ from wigwag.features.canonical import CanonicalForm
 from wigwag.recognise.presets import PRESETS
 from wigwag.recognise.similarity import Sides, Similarities
 from wigwag.skeleton import Clip
+from wigwag.stream.glance import Glimpse, scores_of, signs_of
 from wigwag.stream.watcher import Hypothesis
 
 NOTHING = -1
@@ -95,18 +96,21 @@ class PrefixModel:
         """Return the views of a stretch."""
         return self.similar.sides(clip)
 
-    def read(self, hypothesis: Hypothesis, clip: Clip, memory: Memory) -> Evidence:
+    def read(
+        self, hypothesis: Hypothesis, clip: Clip, memory: Memory, glimpse: Glimpse | None = None
+    ) -> Evidence:
         """Return what a stretch is most like.
 
         The signs: its score; its lead over the second; over 'nothing'; progress; how near the nearest
         example is, as the negative logarithm of its distance over the usual; how much nearer than another
         gesture's; length in s; activity now; the greatest; their ratio; whether the body rests; whether a
         lull was just now; and of the last look at the same beginning: its lead over 'nothing', its lead, how
-        many looks have agreed.
+        many looks have agreed. With a glimpse of the last moments it helps to decide, and those of
+        :func:`~wigwag.stream.glance.signs_of` follow.
         """
         distances = self.similar.distances(self.sides(clip))
         scores = (self.similar.features(distances) @ self.weights).astype(np.float64)
-        return self.evidence(hypothesis, distances, scores, memory)
+        return self.evidence(hypothesis, distances, scores, memory, glimpse=glimpse)
 
     def evidence(
         self,
@@ -114,7 +118,9 @@ class PrefixModel:
         distances: Float[np.ndarray, "references views"],
         scores: Float[np.ndarray, " targets"],
         memory: Memory,
+        *,
         allowed: Bool[np.ndarray, " references"] | None = None,
+        glimpse: Glimpse | None = None,
     ) -> Evidence:
         """Return the same from distances and scores; references that are not allowed do not count."""
         classes = len(self.labels)
@@ -123,7 +129,8 @@ class PrefixModel:
         if allowed is not None:
             relative = np.where(allowed, relative, np.inf)
             named = np.where(np.bincount(self.numbers[allowed], minlength=classes) > 0, named, -np.inf)
-        decided = int(named.argmax())
+        together = named if glimpse is None else named + scores_of(glimpse)
+        decided = int(together.argmax())
         second = np.delete(named, decided).max(initial=-1.0)
         same = self.numbers == decided
         nearest = int(np.where(same, relative, np.inf).argmin())
@@ -138,6 +145,7 @@ class PrefixModel:
             hypothesis.length_s, hypothesis.activity_m_s, hypothesis.peak_m_s,
             hypothesis.activity_m_s / max(hypothesis.peak_m_s, 1e-3),
             hypothesis.resting, hypothesis.lull, *before,
+            *(() if glimpse is None else signs_of(glimpse, decided, together)),
         ])  # fmt: skip
         return decided, signs, nearest
 

@@ -3,43 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Int
 
 from wigwag.errors import InputError
 from wigwag.stream.moments import BINS, BINS_S, MomentConfig, MomentModel
-from wigwag.stream.network import RATE, Network, Teacher
-from wigwag.stream.track import FEATURES, Change, Track
+from wigwag.stream.rows import Rounds, Rows, as_rare, teach_rows
+from wigwag.stream.track import Track
 from wigwag.stream.truth import LabelledStream
 
 _NETWORKS = 3
-_HIDDEN = 256
 _ROUNDS = 48
-_LEAST_ROWS = 40_000
-"""Where little is shown, there are as many rounds as make so many rows."""
-_SLOW = 0.7
-"""After this share of all rounds steps are a fifth as large."""
 _NEAR, _ELSEWHERE = 0.3, 0.12
 """Rows of a round: this share of those near action points, and so many others over how many there are near
 action points. Rows that follow each other are nearly the same."""
-_MIRRORED = 0.25
-"""This share of the rows of gestures that have no side, and of no gesture, is shown in a mirror."""
-_DROPPED = 0.15
-"""Of the numbers of a row, so much is hidden."""
-_CHUNK = 4096
-
-
-@dataclass(frozen=True, slots=True)
-class _Rows:
-    """What each row of all streams is."""
-
-    track: Track
-    classes: Int[np.ndarray, " rows"]
-    """Label and stretch of ``BINS_S``; the last class: no action point is near."""
-    sided: Bool[np.ndarray, " classes"]
-    """Which classes may not be shown in a mirror."""
 
 
 def teach_moments(
@@ -88,13 +65,16 @@ def teach_moments(
                 f"MomentConfig.{name} holds {sorted(absent)}, which nobody shows; shown are {list(labels)}."
             )
     rows = _rows(streams, labels, config.either_side)
+    near = int((rows.classes < rows.none).sum())
+    rounds = Rounds(_ROUNDS, round(_NEAR * near), round(_ELSEWHERE * near))
+    seeds = [[0x90147, random_state, number] for number in range(_NETWORKS)]
     networks = tuple(
-        _taught(rows, np.random.default_rng([0x90147, random_state, number])) for number in range(_NETWORKS)
+        as_rare(teach_rows(rows, rounds, np.random.default_rng(seed)), rows, rounds) for seed in seeds
     )
     return MomentModel(labels, networks, config)
 
 
-def _rows(streams: Sequence[LabelledStream], labels: tuple[str, ...], either_side: tuple[str, ...]) -> _Rows:
+def _rows(streams: Sequence[LabelledStream], labels: tuple[str, ...], either_side: tuple[str, ...]) -> Rows:
     """Follow all streams and say what each row is."""
     tracks = [Track.of(one.stream) for one in streams]
     none = len(labels) * BINS
@@ -113,30 +93,7 @@ def _rows(streams: Sequence[LabelledStream], labels: tuple[str, ...], either_sid
         classes.append(mine)
     sided = np.repeat([label not in either_side for label in labels], BINS)
     # What is no gesture has no side, unless every gesture has one: then nothing is gained by it.
-    return _Rows(Track.joined(tracks), np.concatenate(classes), np.append(sided, not either_side))
-
-
-def _taught(rows: _Rows, rng: np.random.Generator) -> Network:
-    """Teach one network."""
-    none = len(rows.sided) - 1
-    near, elsewhere = np.flatnonzero(rows.classes < none), np.flatnonzero(rows.classes == none)
-    network = Network(FEATURES, none + 1, rng, _HIDDEN)
-    network.standardise(rows.track.looks(rng.permutation(near)[: 4 * _CHUNK]))
-    teacher = Teacher(network, rng, _DROPPED)
-    counts = (round(_NEAR * len(near)), min(round(_ELSEWHERE * len(near)), len(elsewhere)))
-    rounds = max(_ROUNDS, -(-_LEAST_ROWS // max(sum(counts), 1)))
-    for number in range(rounds):
-        some = [rng.permutation(of)[:n] for of, n in zip((near, elsewhere), counts, strict=True)]
-        chosen = rng.permutation(np.concatenate(some))
-        rate = RATE if number < _SLOW * rounds else RATE / 5
-        for low in range(0, len(chosen), _CHUNK):
-            part = chosen[low : low + _CHUNK]
-            mirrored = (rng.random(len(part)) < _MIRRORED) & ~rows.sided[rows.classes[part]]
-            seen = rows.track.looks(part, Change.random(len(part), rng, mirrored))
-            teacher.learn(seen, rows.classes[part], rate)
-    if all(counts):
-        network.rarer(none, len(elsewhere) / counts[1] * counts[0] / len(near))
-    return network
+    return Rows(Track.joined(tracks), np.concatenate(classes), np.append(sided, not either_side))
 
 
 __all__ = ["teach_moments"]

@@ -92,6 +92,35 @@ class Track:
         return np.asarray(self.joints[np.maximum(rows[:, None] - back, self.first[rows][:, None])])
 
 
+class Tail:
+    """The last rows of a stream as they come, for :class:`Track`'s numbers of the newest one."""
+
+    def __init__(self) -> None:
+        self._postures = Postures()
+        self._joints = np.zeros((REACH, 13, 3), dtype=np.float32)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the stream."""
+        self._postures.reset()
+        self._hips = np.zeros(3, dtype=np.float32)
+        self.count = 0
+        """Rows so far."""
+
+    def update(self, joints: Float[np.ndarray, "13 3"]) -> None:
+        """Take in a row: metres, camera optical frame."""
+        placed, hips = self._postures.update(joints)
+        self._joints[:-1] = self._joints[1:]
+        self._joints[-1], self._hips = placed, hips.astype(np.float32)
+        self.count += 1
+
+    def look(self) -> Float[np.ndarray, "1 f"]:
+        """Return the numbers of the newest row."""
+        first = np.full(REACH, max(REACH - self.count, 0))
+        track = Track(self._joints, np.broadcast_to(self._hips, (REACH, 3)), first, first)
+        return track.looks(np.array([REACH - 1]))
+
+
 @dataclass(frozen=True, slots=True)
 class Change:
     """How other people would have moved at some rows: each row by somebody else."""

@@ -187,7 +187,7 @@ def _distances(axes: Any, explained: Explanation, below: float = 0.08) -> None:
     shown: list[Example] = [explained.nearest[0]]
     shown += [e for e in explained.nearest if e.label != explained.label][:1]
     _bars(
-        axes, explained.views, [e.by_view for e in shown], [_GREEN, _RED],
+        axes, explained.views[: len(shown[0].by_view)], [e.by_view for e in shown], [_GREEN, _RED],
         [f"nearest {_plainly(e.label)}" for e in shown],
     )  # fmt: skip
     axes.legend(frameon=False, fontsize=8.5, loc="upper center", bbox_to_anchor=(0.4, -below), ncols=2)
