@@ -59,7 +59,8 @@ class Lesson:
         seed: Of what is drawn.
 
     Raises:
-        InputError: If a showing is an action point, which has no beginning.
+        InputError: If a showing is an action point, which has no beginning; or if fewer than two people show
+            gestures.
     """
 
     def __init__(self, streams: Sequence[LabelledStream], origin: Origin = "start", seed: int = 0) -> None:
@@ -74,6 +75,13 @@ class Lesson:
                 "teach those with teach_moments."
             )
         self.fold = self._folds()
+        people = {str(s.stream.subject) for s, truth in zip(self.streams, self.truth, strict=True) if truth}
+        if len(people) < 2:
+            raise InputError(
+                "teach_stream learns how sure to be from people who are left out in turn, but gestures are "
+                f"shown in streams by {', '.join(sorted(people)) or 'nobody'} alone. Give another person's "
+                "streams too, or clips, of which varied copies stand in for others."
+            )
 
     def learn(self, config: StreamConfig) -> StreamModel:
         """Teach everything."""

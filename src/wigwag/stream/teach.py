@@ -55,7 +55,8 @@ def teach_stream(
             :class:`~wigwag.features.canonical.CanonicalForm`.
 
     Raises:
-        InputError: If there is no labelled gesture, or a command that nobody shows.
+        InputError: If there is no labelled gesture, or a command that nobody shows; or if one person alone
+            shows gestures, and in streams, not clips.
 
     Example:
         >>> import numpy as np
