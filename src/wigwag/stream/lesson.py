@@ -186,7 +186,11 @@ class Lesson:
         taught = GlanceLesson(self.streams, self.model.labels, self.fold, still=still, seed=self.seed)
         self.glimpses = taught.glimpses
         self.glances = {int(fold): taught.without(int(fold)) for fold in np.unique(self.fold)}
-        alone = any(glance is None for glance in self.glances.values())
+        # Varied copies of one person's examples say how they move, not how others do: a network that learns
+        # from them alone is surer than it should be (own examples, inner folds: F1 0.968, without 0.977).
+        shown = zip(self.streams, self.truth, strict=True)
+        people = {str(one.stream.subject).partition(" again ")[0] for one, truth in shown if truth}
+        alone = len(people) < 2 or any(glance is None for glance in self.glances.values())
         self.glance = None if alone else taught.without(None)
 
     def _allowed(
