@@ -176,5 +176,5 @@ def test_a_model_that_was_warmed_up_hears_as_before(model: StreamModel) -> None:
 
 
 def test_streams_of_one_person_alone_are_refused_with_what_to_do() -> None:
-    with pytest.raises(InputError, match="shown in streams by actor 3 alone. Give another"):
+    with pytest.raises(InputError, match=r"shown in streams by actor 3 alone\. Give another"):
         teach_stream((), [session(4).stream().stream], [session(3).stream()])
