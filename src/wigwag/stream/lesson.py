@@ -247,6 +247,7 @@ class Lesson:
                     decided,
                     right & ~unknown,
                     np.array([one.meaning.doubtful for one in looks]) & ~unknown,
+                    self.streams[stream].deliberate,
                 )
             )
         return rehearsals

@@ -36,6 +36,8 @@ class Rehearsal:
     decided: Int[np.ndarray, " looks"]
     right: Bool[np.ndarray, " looks"]
     doubtful: Bool[np.ndarray, " looks"]
+    deliberate: bool = False
+    """As in :class:`~wigwag.stream.truth.LabelledStream`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,12 +47,12 @@ class Tally:
     found: int
     false: int
     on_gestures: int
-    """Of the false ones: those said while another gesture was shown."""
+    """Of the false ones: those said while another gesture was shown, or of deliberate movement."""
     early: int
     """Of those found: decided before the gesture's end."""
     missed: int
     hours: float
-    """Of all streams."""
+    """Of all streams but those of deliberate movement."""
 
     @property
     def f1(self) -> float:
@@ -128,9 +130,9 @@ def hear(
                 early += look.now_ns <= wanted[mine[0]].end_ns
             else:
                 false += 1
-                on_gestures += any(_meets(look, showing) for showing in one.truth)
+                on_gestures += one.deliberate or any(_meets(look, showing) for showing in one.truth)
         missed += len(wanted) - len(answered)
-        hours += one.duration_s / 3600
+        hours += 0.0 if one.deliberate else one.duration_s / 3600
     return Tally(found, false, on_gestures, early, missed, hours)
 
 

@@ -60,6 +60,9 @@ class LabelledStream:
     stream: Clip
     """With ``subject`` set: how sure to be is learned by leaving people out."""
     showings: tuple[Showing, ...] = ()
+    deliberate: bool = False
+    """Whoever is seen gestures on purpose all the time, and commands nothing: nobody moves so by the way. A
+    false command said of it is as wrong as any, but does not count as one on everyday movement."""
 
 
 @dataclass(frozen=True, slots=True)

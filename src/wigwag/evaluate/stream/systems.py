@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Protocol
 
@@ -82,7 +82,7 @@ def teach_spotter(lesson: Lesson) -> Listener:
     return Only(lambda: Spotter(recogniser, config), lesson.vocabulary)
 
 
-def teach_gesture_stream(lesson: Lesson, *, strange: bool = False) -> Listener:
+def teach_gesture_stream(lesson: Lesson, *, strange: bool = False, deliberate: Sequence[Clip] = ()) -> Listener:
     """Teach a :class:`~wigwag.stream.gesture_stream.GestureStream` with its defaults, or ``strange``.
 
     Recordings are cut to their movement; further gestures are known by name and kept silent. Where action
@@ -95,6 +95,7 @@ def teach_gesture_stream(lesson: Lesson, *, strange: bool = False) -> Listener:
         return teach_moments(points, settings, random_state=lesson.seed).stream()
     clips = [cut_to_movement(clip) for clip in (*lesson.gestures, *lesson.others)]
     streams = [LabelledStream(r.stream, tuple(_showing(mark) for mark in r.marks)) for r in lesson.streams]
+    streams += [LabelledStream(_movable(clip), deliberate=True) for clip in deliberate]
     background = [_movable(clip) for clip in lesson.background]
     config = StreamConfig(commands=lesson.vocabulary, strange=strange)
     return teach_stream(clips, background, streams, config, random_state=lesson.seed).stream()
@@ -128,6 +129,7 @@ SYSTEMS: dict[str, Callable[[Lesson], Listener]] = {
     "stream": teach_gesture_stream,
     "spotter": teach_spotter,
     "stream+strange": teach_doubting,
+    "stream+deliberate": lambda lesson: teach_gesture_stream(lesson, deliberate=lesson.deliberate),
     "stream+msrc12": teach_beside_deliberate,
 }
 """Every system by its name: from a lesson to a listener."""
