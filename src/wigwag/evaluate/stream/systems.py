@@ -82,7 +82,9 @@ def teach_spotter(lesson: Lesson) -> Listener:
     return Only(lambda: Spotter(recogniser, config), lesson.vocabulary)
 
 
-def teach_gesture_stream(lesson: Lesson, *, strange: bool = False, deliberate: Sequence[Clip] = ()) -> Listener:
+def teach_gesture_stream(
+    lesson: Lesson, *, strange: bool = False, deliberate: Sequence[Clip] = ()
+) -> Listener:
     """Teach a :class:`~wigwag.stream.gesture_stream.GestureStream` with its defaults, or ``strange``.
 
     Recordings are cut to their movement; further gestures are known by name and kept silent. Where action
