@@ -90,7 +90,7 @@ def facts(why: Explanation, at_s: float) -> dict[str, Any]:
         "pushes": dict(zip(why.views, why.pushes.tolist(), strict=True)),
         "nearest": [
             {"label": e.label, "name": e.name, "times_the_usual": e.times,
-             "by_view": dict(zip(why.views, e.by_view.tolist(), strict=False))}
+             "by_view": dict(zip(why.views[: len(e.by_view)], e.by_view.tolist(), strict=True))}
             for e in why.nearest
         ],
         "would_change": list(why.answers),

@@ -39,14 +39,12 @@ class Glance:
     """
 
     network: Network
-    still: bool
-    """How the hips move is not looked at: the camera's own movement would be taken for it."""
 
     def of_track(self, track: Track) -> Float[np.ndarray, "rows 2 classes"]:
         """Return the glimpse at every row of a track."""
         rows = np.arange(len(track.joints))
         every = np.concatenate([
-            self.network.probabilities(self.numbers(track.looks(part)))
+            self.network.probabilities(track.looks(part))
             for part in np.array_split(rows, max(len(rows) // 4096, 1))
         ])  # fmt: skip
         sums = np.cumsum(np.vstack([np.zeros_like(every[:1]), every]), axis=0, dtype=np.float64)
@@ -54,22 +52,14 @@ class Glance:
         means = (sums[rows + 1] - sums[begins]) / (rows + 1 - begins)[:, None]
         return np.stack([every, means], axis=1)
 
-    def numbers(self, looks: Float[np.ndarray, "rows features"]) -> Float[np.ndarray, "rows features"]:
-        """Return what of the numbers of some rows is looked at."""
-        if self.still:
-            looks[:, -3:] = 0.0
-        return looks
-
     def arrays(self) -> dict[str, np.ndarray]:
         """Return everything."""
-        return self.network.arrays("glance") | {"glance_still": np.array(self.still)}
+        return self.network.arrays("glance")
 
     @classmethod
     def restored(cls, arrays: dict[str, np.ndarray]) -> Self | None:
         """Take back what ``arrays`` gave; ``None``: there was none."""
-        if "glance_still" not in arrays:
-            return None
-        return cls(Network.restored(arrays, "glance"), bool(arrays["glance_still"]))
+        return cls(Network.restored(arrays, "glance")) if "glance_center" in arrays else None
 
 
 class Glances:
@@ -99,9 +89,7 @@ class Glances:
         for row in range(self._tail.count, ticks.count):
             self._tail.update(ticks.window(row, row)[0])
             if row >= ticks.count - LASTS:
-                self._rows.append(
-                    self.glance.network.probabilities(self.glance.numbers(self._tail.look()))[0]
-                )
+                self._rows.append(self.glance.network.probabilities(self._tail.look())[0])
         if not self._rows:
             return None
         return np.stack([self._rows[-1], np.mean(self._rows, axis=0)])

@@ -10,7 +10,7 @@ from jaxtyping import Float, Int
 
 from wigwag.stream.glance import Glance
 from wigwag.stream.rows import DOUBTFUL, Rounds, Rows, teach_rows
-from wigwag.stream.track import Track
+from wigwag.stream.track import HIPS, Track
 from wigwag.stream.truth import LabelledStream
 
 _PASSED = 0.4
@@ -29,7 +29,7 @@ class GlanceLesson:
         streams: With their truth.
         labels: All gestures.
         fold: Which streams are left out together.
-        still: As in :class:`~wigwag.stream.glance.Glance`.
+        still: How the hips move is not looked at, since the camera's own movement would be taken for it.
         seed: Of what is drawn.
     """
 
@@ -58,7 +58,10 @@ class GlanceLesson:
         track = Track.joined([self.tracks[number] for number in kept])
         rows = Rows(track, classes, np.ones(none + 1, dtype=bool))
         rng = np.random.default_rng([0x91A, self.seed, 0 if fold is None else fold + 1])
-        return Glance(teach_rows(rows, _ROUNDS, rng), self.still)
+        network = teach_rows(rows, _ROUNDS, rng)
+        if self.still:
+            network.layers[0][HIPS] = 0.0
+        return Glance(network)
 
     def glimpses(
         self, glance: Glance, stream: int, stamps_ns: Int[np.ndarray, " looks"]
