@@ -64,9 +64,8 @@ def test_what_is_no_gesture_ends_with_a_reason(model: StreamModel) -> None:
         assert any(name in event.reason for name in GESTURES)
 
 
-@pytest.mark.parametrize("strange", [False, True])
-def test_labels_that_are_no_commands_are_known_and_not_said(strange: bool) -> None:
-    config = StreamConfig(commands=("both",), strange=strange)
+def test_labels_that_are_no_commands_are_known_and_not_said() -> None:
+    config = StreamConfig(commands=("both",))
     taught = teach_stream((), streams=[session(n).stream() for n in range(3)], config=config)
     actor = session(23)
     events = hear(taught.stream(), actor.poses())

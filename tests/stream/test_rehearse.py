@@ -45,3 +45,14 @@ def test_what_would_be_spoken_of_nothing_is_no_longer_equally_good() -> None:
 def test_who_shows_nothing_is_heard_with_the_middle_of_all() -> None:
     chosen = choose([], [], ["wave"], StreamConfig())
     assert (chosen.going_on, chosen.at_rest) == (0.93, 0.8)
+
+
+def test_deliberate_movement_counts_by_what_it_costs_and_not_by_the_hour() -> None:
+    config, sure = StreamConfig(), [np.array([0.951]), np.array([0.96])]
+    one, other = rehearsal([look_at(10, 11.8)]), rehearsal([look_at(100, 101.8)])
+    other.truth = ()
+    everyday = choose([one, other], sure, ["wave"], config)
+    assert everyday.going_on == 0.985  # of 0.97 to 0.995: rather nothing than three false an hour
+    other.deliberate = True
+    beside = choose([one, other], sure, ["wave"], config)
+    assert beside.going_on < 0.951  # found, at the price of one false command that nobody says by the way

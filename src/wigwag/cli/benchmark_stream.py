@@ -42,8 +42,8 @@ class StreamBenchmark:
     vocabulary: tuple[Literal["6", "7", "27"], ...] = ("6",)
     """Which of UTD-MHAD's classes are commands."""
     system: tuple[str, ...] = ("stream", "spotter")
-    """What is judged: stream, spotter; stream+strange, which learns doubt of gestures that nobody taught;
-    stream+msrc12, which is besides taught as no command what MSRC-12's people with an even number show."""
+    """What is judged: stream, spotter; stream+deliberate, which is besides taught as no command what
+    MSRC-12's people with an even number show."""
     inner: bool = False
     """Judge training people by each other instead: the figures by which settings may be chosen."""
     rounds: int = 8

@@ -25,10 +25,6 @@ class StreamConfig:
     false_per_hour: float = 1.0
     """False commands an hour that are allowed on people who took no part in teaching, as far as they are
     not said of another gesture; the thresholds are the best ones that keep to it."""
-    strange: bool = False
-    """Whether doubt is learned of gestures that nobody taught, too: those that are taught and are no commands
-    stand in for them, left out some at a time. Fewer strange gestures are then taken for commands, and fewer
-    commands are found."""
     watch: WatchConfig = field(default_factory=WatchConfig)
 
     def __post_init__(self) -> None:

@@ -63,7 +63,6 @@ class StreamModel:
             "commands": self.config.commands,
             "earliness": self.config.earliness,
             "false_per_hour": self.config.false_per_hour,
-            "strange": self.config.strange,
             "postures": self.config.watch.motion.postures,
         }
         arrays = self.prefixes.arrays() | self.sureness.arrays()
@@ -85,7 +84,6 @@ class StreamModel:
                 None if commands is None else tuple(commands),
                 float(facts["earliness"]),
                 float(facts["false_per_hour"]),
-                bool(facts.get("strange", False)),  # files of before had no such setting
                 watch,
             )
             return cls(

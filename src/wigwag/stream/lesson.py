@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import product
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 
 from wigwag.errors import InputError
 from wigwag.recognise.similarity import Sides
@@ -22,7 +21,6 @@ from wigwag.stream.sureness import Sureness
 from wigwag.stream.teach_glance import GlanceLesson
 from wigwag.stream.ticks import RATE_HZ
 from wigwag.stream.truth import LabelledStream, Meaning, Showing, meaning
-from wigwag.stream.untaught import TAUGHT, Untaught
 from wigwag.stream.watcher import Hypothesis, WatchConfig, Watcher
 
 Origin = Literal["start", "drift"]
@@ -45,8 +43,6 @@ class Looked:
 
     hypothesis: Hypothesis
     meaning: Meaning
-    group: int
-    """Which gestures are left out where this one is to be one that nobody taught."""
     sides: Sides
 
 
@@ -86,8 +82,6 @@ class Lesson:
     def learn(self, config: StreamConfig) -> StreamModel:
         """Teach everything."""
         owners = self._refer()
-        commands = config.commands if config.strange else None
-        self.untaught = Untaught(self.model.labels, commands, np.random.default_rng(self.seed))
         looked: list[list[Looked]] = [[] for _ in self.streams]
         judged: list[int] = []
         for number in self._order(config):
@@ -141,7 +135,6 @@ class Lesson:
             Looked(
                 h,
                 meaning(h, truth),
-                self.untaught.of(h, truth),
                 [side.astype(np.float16) for side in self.model.sides(clip)],
             )
             for h, clip in watch(self.streams[number].stream)
@@ -154,7 +147,7 @@ class Lesson:
         return self.model.labels.index(self.truth[stream][one.meaning.showing].label)
 
     def _teach(self, looked: Sequence[list[Looked]], owners: Int[np.ndarray, " references"]) -> None:
-        """Learn from some of all stretches: from all, and with each fold and each group left out."""
+        """Learn from some of all stretches: from all, and with each fold left out."""
         gestures: list[tuple[int, int]] = []
         nothing: list[tuple[int, int]] = []
         for stream, looks in enumerate(looked):
@@ -165,20 +158,19 @@ class Lesson:
         some += [nothing[int(i)] for i in self.rng.permutation(len(nothing))[:_MOST_NOTHING]]
         numbers = np.array([self._number(s, looked[s][i]) for s, i in some])
         progress = np.array([looked[s][i].meaning.progress for s, i in some])
-        parts = [(int(self.fold[s]), looked[s][i].group) for s, i in some]
+        folds = [int(self.fold[s]) for s, _ in some]
         views = len(self.model.similar.kinds)
         shares = Shares(len(self.model.numbers) * views, len(self.model.labels))
-        for part in sorted(set(parts)):
-            rows = [r for r, mine in enumerate(parts) if mine == part]
+        for fold in sorted(set(folds)):
+            rows = [r for r, mine in enumerate(folds) if mine == fold]
             features = self._features([looked[some[r][0]][some[r][1]] for r in rows])
-            shares.add(part, features, numbers[rows], progress[rows])
+            shares.add(fold, features, numbers[rows], progress[rows])
         self.model.weights = shares.solve()
-        self.without: dict[tuple[int, int], np.ndarray] = {}
-        for fold, group in product(range(_MOST_FOLDS), range(TAUGHT, self.untaught.count)):
-            kept = self._allowed(fold, group, owners)
+        self.without: dict[int, np.ndarray] = {}
+        for fold in range(_MOST_FOLDS):
+            kept = owners != fold
             if kept.any():
-                out = None if group == TAUGHT else group
-                self.without[fold, group] = shares.solve(fold, out, np.repeat(kept, views))
+                self.without[fold] = shares.solve(fold, np.repeat(kept, views))
 
     def _glance(self) -> None:
         """Teach the second view: from all, and with each fold left out."""
@@ -193,13 +185,6 @@ class Lesson:
         alone = len(people) < 2 or any(glance is None for glance in self.glances.values())
         self.glance = None if alone else taught.without(None)
 
-    def _allowed(
-        self, fold: int, group: int, owners: Int[np.ndarray, " references"]
-    ) -> Bool[np.ndarray, " references"]:
-        """Say which references are left when a fold's people and a group of gestures are left out."""
-        groups = self.untaught.of_label[self.model.numbers]
-        return np.asarray((owners != fold) & ((groups != group) | (group == TAUGHT)))
-
     def _features(self, looks: Sequence[Looked]) -> Float[np.ndarray, "rows features"]:
         similar = self.model.similar
         if not looks:
@@ -210,33 +195,28 @@ class Lesson:
     def _rehearse(
         self, looked: dict[int, list[Looked]], owners: Int[np.ndarray, " references"]
     ) -> list[Rehearsal]:
-        """Look at streams with what others have taught, who know commands and what is shown no more of."""
+        """Look at streams with what others have taught."""
         rehearsals = []
         for stream, looks in looked.items():
             fold = int(self.fold[stream])
-            if not looks or (fold, TAUGHT) not in self.without:
+            if not looks or fold not in self.without:
                 continue
-            memories: dict[int, Memory] = {}
-            allowed = {g: self._allowed(fold, g, owners) for g in range(TAUGHT, self.untaught.count)}
+            memory, allowed = Memory.empty(), owners != fold
             glance, glimpses = self.glances[fold], None
             if self.glance is not None and glance is not None:
                 stamps_ns = np.array([one.hypothesis.now_ns for one in looks])
                 glimpses = self.glimpses(glance, stream, stamps_ns)
             decided, signs = np.empty(len(looks), dtype=np.int64), []
             for i, one in enumerate(looks):
-                group = one.group if (fold, one.group) in self.without else TAUGHT
                 distances = self.model.similar.distances(_full(one.sides))
-                weights = self.without[fold, group]
-                scores = (self.model.similar.features(distances) @ weights).astype(np.float64)
-                memory = memories.setdefault(group, Memory.empty())
+                scores = (self.model.similar.features(distances) @ self.without[fold]).astype(np.float64)
                 glimpse = None if glimpses is None else glimpses[i]
                 found = self.model.evidence(
-                    one.hypothesis, distances, scores, memory, allowed=allowed[group], glimpse=glimpse
+                    one.hypothesis, distances, scores, memory, allowed=allowed, glimpse=glimpse
                 )
                 decided[i] = found[0]
                 signs.append(found[1])
             right = np.array([self._number(stream, one) == d for one, d in zip(looks, decided, strict=True)])
-            unknown = np.array([one.group != TAUGHT for one in looks])
             rehearsals.append(
                 Rehearsal(
                     fold,
@@ -245,8 +225,8 @@ class Lesson:
                     [one.hypothesis for one in looks],
                     np.stack(signs),
                     decided,
-                    right & ~unknown,
-                    np.array([one.meaning.doubtful for one in looks]) & ~unknown,
+                    right,
+                    np.array([one.meaning.doubtful for one in looks]),
                     self.streams[stream].deliberate,
                 )
             )

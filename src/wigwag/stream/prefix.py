@@ -192,19 +192,19 @@ class Shares:
     def __init__(self, features: int, classes: int) -> None:
         self.features, self.classes = features, classes
         self._gestures: dict[int, _Sums] = {}
-        self._all: dict[tuple[int, int], _Sums] = {}
+        self._all: dict[int, _Sums] = {}
 
     def add(
         self,
-        part: tuple[int, int],
+        fold: int,
         features: Float[np.ndarray, "rows features"],
         numbers: Int[np.ndarray, " rows"],
         progress: Float[np.ndarray, " rows"],
     ) -> None:
-        """Add a part, once.
+        """Add a fold, once.
 
         Args:
-            part: Whose stretches they are, and which gestures they are of.
+            fold: Whose stretches they are.
             features: Similarities to the references.
             numbers: Which gesture each is; ``NOTHING``: none.
             progress: How much of it has passed; not looked at where it is none.
@@ -212,28 +212,24 @@ class Shares:
         targets = np.full((len(features), self.classes + 1), -1.0, dtype=np.float32)
         targets[np.arange(len(features)), np.where(numbers == NOTHING, self.classes, numbers)] = 1.0
         gesture = numbers != NOTHING
-        self._all[part] = _Sums.of(features, targets)
+        self._all[fold] = _Sums.of(features, targets)
         passed = (progress[gesture, None] - _MIDDLE).astype(np.float32)
-        mine = _Sums.of(features[gesture], passed)
-        before = self._gestures.get(part[0])
-        self._gestures[part[0]] = mine if before is None else before.plus(mine)
+        self._gestures[fold] = _Sums.of(features[gesture], passed)
 
     def solve(
         self,
         fold: int | None = None,
-        group: int | None = None,
         kept: Bool[np.ndarray, " features"] | None = None,
     ) -> Float[np.ndarray, "features targets"]:
         """Return a target a class, one for 'nothing', and progress, which is learned from gestures alone.
 
         Args:
             fold: People to be left out.
-            group: Gestures to be left out; what progress is, they may tell all the same.
             kept: Features to be used; the others have no weight.
         """
         kept = np.ones(self.features, dtype=bool) if kept is None else kept
         weights = np.zeros((self.features, self.classes + 2), dtype=np.float32)
-        every = [sums for part, sums in self._all.items() if part[0] != fold and part[1] != group]
+        every = [sums for of, sums in self._all.items() if of != fold]
         gestures = [sums for of, sums in self._gestures.items() if of != fold]
         weights[kept] = np.hstack(
             [_solution(every, kept, RIDGE, self.classes + 1), _solution(gestures, kept, _PROGRESS_RIDGE, 1)]
@@ -253,10 +249,6 @@ class _Sums:
     def of(cls, features: np.ndarray, targets: np.ndarray) -> _Sums:
         """Sum over rows."""
         return cls(len(features), features.T @ features, features.T @ targets)
-
-    def plus(self, other: _Sums) -> _Sums:
-        """Add other rows."""
-        return _Sums(self.rows + other.rows, self.gram + other.gram, self.right + other.right)
 
 
 def _solution(groups: Sequence[_Sums], kept: np.ndarray, ridge: float, targets: int) -> np.ndarray:

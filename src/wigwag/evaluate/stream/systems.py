@@ -82,10 +82,8 @@ def teach_spotter(lesson: Lesson) -> Listener:
     return Only(lambda: Spotter(recogniser, config), lesson.vocabulary)
 
 
-def teach_gesture_stream(
-    lesson: Lesson, *, strange: bool = False, deliberate: Sequence[Clip] = ()
-) -> Listener:
-    """Teach a :class:`~wigwag.stream.gesture_stream.GestureStream` with its defaults, or ``strange``.
+def teach_gesture_stream(lesson: Lesson, deliberate: Sequence[Clip] = ()) -> Listener:
+    """Teach a :class:`~wigwag.stream.gesture_stream.GestureStream` with its defaults.
 
     Recordings are cut to their movement; further gestures are known by name and kept silent. Where action
     points are all that is known, a :class:`~wigwag.stream.moments.MomentStream` is taught.
@@ -99,18 +97,13 @@ def teach_gesture_stream(
     streams = [LabelledStream(r.stream, tuple(_showing(mark) for mark in r.marks)) for r in lesson.streams]
     streams += [LabelledStream(_movable(clip), deliberate=True) for clip in deliberate]
     background = [_movable(clip) for clip in lesson.background]
-    config = StreamConfig(commands=lesson.vocabulary, strange=strange)
+    config = StreamConfig(commands=lesson.vocabulary)
     return teach_stream(clips, background, streams, config, random_state=lesson.seed).stream()
 
 
 def teach_beside_deliberate(lesson: Lesson) -> Listener:
-    """Teach what ``teach_doubting`` does, and as no command also what other people gesture deliberately."""
-    return teach_doubting(replace(lesson, background=lesson.background + lesson.deliberate))
-
-
-def teach_doubting(lesson: Lesson) -> Listener:
-    """Teach the same as :func:`teach_gesture_stream`, and doubt of gestures that nobody taught."""
-    return teach_gesture_stream(lesson, strange=True)
+    """Teach the same, and as no command also what other people gesture deliberately."""
+    return teach_gesture_stream(lesson, lesson.deliberate)
 
 
 def _showing(mark: Mark) -> Showing:
@@ -130,9 +123,7 @@ def _movable(clip: Clip) -> Clip:
 SYSTEMS: dict[str, Callable[[Lesson], Listener]] = {
     "stream": teach_gesture_stream,
     "spotter": teach_spotter,
-    "stream+strange": teach_doubting,
-    "stream+deliberate": lambda lesson: teach_gesture_stream(lesson, deliberate=lesson.deliberate),
-    "stream+msrc12": teach_beside_deliberate,
+    "stream+deliberate": teach_beside_deliberate,
 }
 """Every system by its name: from a lesson to a listener."""
 
