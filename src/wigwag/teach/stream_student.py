@@ -30,7 +30,7 @@ who are left out, and somebody alone cannot be."""
 
 
 class StreamStudent(Student):
-    """A model of streams beside the streams that taught it; every change teaches it anew (one to two minutes).
+    """A model of streams beside the streams that taught it; every change teaches it anew, in two minutes.
 
     Args:
         model: What was learned from ``streams``.
