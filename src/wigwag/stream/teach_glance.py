@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from wigwag.stream.glance import Glance
 from wigwag.stream.rows import DOUBTFUL, Rounds, Rows, teach_rows
-from wigwag.stream.track import HIPS, Track
+from wigwag.stream.track import Track
 from wigwag.stream.truth import LabelledStream
 
 _PASSED = 0.4
@@ -29,7 +28,6 @@ class GlanceLesson:
         streams: With their truth.
         labels: All gestures.
         fold: Which streams are left out together.
-        still: How the hips move is not looked at, since the camera's own movement would be taken for it.
         seed: Of what is drawn.
     """
 
@@ -38,14 +36,10 @@ class GlanceLesson:
         streams: Sequence[LabelledStream],
         labels: Sequence[str],
         fold: Int[np.ndarray, " streams"],
-        *,
-        still: bool,
         seed: int,
     ) -> None:
-        self.labels, self.fold, self.still, self.seed = tuple(labels), fold, still, seed
+        self.labels, self.fold, self.seed = tuple(labels), fold, seed
         self.tracks = [Track.of(one.stream) for one in streams]
-        if still:
-            self.tracks = [replace(track, hips=np.zeros_like(track.hips)) for track in self.tracks]
         self.classes = [self._classes(*both) for both in zip(streams, self.tracks, strict=True)]
 
     def without(self, fold: int | None) -> Glance | None:
@@ -58,10 +52,7 @@ class GlanceLesson:
         track = Track.joined([self.tracks[number] for number in kept])
         rows = Rows(track, classes, np.ones(none + 1, dtype=bool))
         rng = np.random.default_rng([0x91A, self.seed, 0 if fold is None else fold + 1])
-        network = teach_rows(rows, _ROUNDS, rng)
-        if self.still:
-            network.layers[0][HIPS] = 0.0
-        return Glance(network)
+        return Glance(teach_rows(rows, _ROUNDS, rng))
 
     def glimpses(
         self, glance: Glance, stream: int, stamps_ns: Int[np.ndarray, " looks"]

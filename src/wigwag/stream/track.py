@@ -25,8 +25,6 @@ REACH = 95
 """No number comes from more rows ago, however fast a person is made to move."""
 
 FEATURES = (len(LAGS) + len(STEP_LAGS)) * 39 + 3
-HIPS = slice(-3, None)
-"""Where among the numbers of a row stands how fast the hips move."""
 
 
 @dataclass(frozen=True, slots=True)
