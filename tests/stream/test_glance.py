@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -83,6 +84,12 @@ def test_a_new_beginning_forgets_what_was_seen(glance: Glance) -> None:
     glimpse = live.update(ticks)
     assert glimpse is not None
     np.testing.assert_array_equal(glimpse[0], glimpse[1])
+
+
+def test_it_sees_where_the_hips_go(glance: Glance) -> None:
+    track = Track.of(STREAMS[0].stream)
+    carried = replace(track, hips=track.hips + np.float32(0.5))
+    assert np.abs(glance.of_track(track) - glance.of_track(carried)).max() > 0.01
 
 
 def test_signs_say_how_far_the_decided_gesture_is_ahead() -> None:
